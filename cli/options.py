@@ -1,0 +1,126 @@
+"""The options that several commands share, values such as 640x480, and help that shows options in groups."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import click
+
+SCENE = "Scene"
+OUTPUT = "Output"
+RENDERING = "Rendering"
+DEVICE = "Device"
+OTHER = "Other"
+
+MOST_PIXELS = 16384  # in a row or column; what a scene accepts
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class Option(click.Option):
+    """An option that stands under the heading `group` in the help text."""
+
+    def __init__(self, *arguments: Any, group: str = OTHER, **attributes: Any) -> None:
+        super().__init__(*arguments, **attributes)
+        self.group = group
+
+
+class GroupedCommand(click.Command):
+    """A command whose help text shows its options in groups."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        groups: dict[str, list[tuple[str, str]]] = {
+            group: [] for group in (SCENE, OUTPUT, RENDERING, DEVICE, OTHER)
+        }
+        for option in self.get_params(ctx):
+            record = option.get_help_record(ctx)
+            if record is not None and isinstance(option, click.Option):
+                groups[getattr(option, "group", OTHER)].append(record)
+        for heading, records in groups.items():
+            if records:
+                with formatter.section(heading):
+                    formatter.write_dl(records)
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """The type of an option for width and height in pixels."""
+    width, height = map(int, _match(r"([0-9]+)[xX×]([0-9]+)", text, "WxH, for example 960x540"))
+    if not (1 <= width <= MOST_PIXELS and 1 <= height <= MOST_PIXELS):
+        raise click.BadParameter(f"{text!r}: width and height are from 1 to {MOST_PIXELS} pixels")
+    return width, height
+
+
+def parse_crop(text: str) -> tuple[int, int, int, int]:
+    """The type of an option for a rectangle: first column and row, then the column and row after the last."""
+    number = "([0-9]+)"
+    x0, y0, x1, y1 = map(int, _match(",".join([number] * 4), text, "X0,Y0,X1,Y1, for example 0,0,480,270"))
+    if x0 >= x1 or y0 >= y1:
+        raise click.BadParameter(f"{text!r} holds no pixel: X0 < X1 and Y0 < Y1 are needed")
+    return x0, y0, x1, y1
+
+
+def parse_define(text: str) -> tuple[str, str]:
+    """The type of an option for the name of a param and its value."""
+    name, value = _match("([^=]+)=(.*)", text, "NAME=VALUE, for example radius=0.3")
+    return name.strip(), value
+
+
+def _match(pattern: str, text: str, form: str) -> tuple[str, ...]:
+    found = re.fullmatch(pattern, text, re.DOTALL)
+    if not found:
+        raise click.BadParameter(f"{text!r} is not of the form {form}")
+    return found.groups()
+
+
+def scene_options(function: Command) -> Command:
+    """SCENE and what changes it: the arguments `scene`, `defines` (a dict) and `sets`."""
+    for decorate in (
+        click.option(
+            "--set",
+            "sets",
+            multiple=True,
+            metavar="KEY=VALUE",
+            cls=Option,
+            group=SCENE,
+            help="Change a key of the scene, as in --set render.samples=16.",
+        ),
+        click.option(
+            "-D",
+            "--define",
+            "defines",
+            type=parse_define,
+            metavar="NAME=VALUE",
+            multiple=True,
+            callback=lambda ctx, param, pairs: dict(pairs),
+            cls=Option,
+            group=SCENE,
+            help="Give a param of the scene another value.",
+        ),
+        click.argument("scene"),
+    ):
+        function = decorate(function)
+    return function
+
+
+def device_options(function: Command) -> Command:
+    """Where and in which arithmetic to compute: `device` and `precision`, None where not given."""
+    for decorate in (
+        click.option(
+            "--precision",
+            type=click.Choice(["single", "double"]),
+            cls=Option,
+            group=DEVICE,
+            help="Arithmetic of the kernels. [default: what the scene says]",
+        ),
+        click.option(
+            "--device",
+            metavar="DEVICE",
+            cls=Option,
+            group=DEVICE,
+            help="cpu, gpu, an id such as 0:0, or part of a name; see 'thurston devices'.",
+        ),
+    ):
+        function = decorate(function)
+    return function

@@ -1,0 +1,285 @@
+"""`thurston render`: from a scene to pictures in files."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from thurston_cl.errors import Interrupted, NoDeviceError
+
+from .options import (
+    DEVICE,
+    OTHER,
+    OUTPUT,
+    RENDERING,
+    GroupedCommand,
+    Option,
+    device_options,
+    parse_crop,
+    parse_size,
+    scene_options,
+)
+
+if TYPE_CHECKING:
+    from thurston_cl.device import Device
+    from thurston_cl.image import Image
+    from thurston_cl.scene import Scene
+
+# The formats and channels of image.py, written out: --help must not wait for OpenImageIO.
+SUFFIXES = (".exr", ".png")
+CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
+
+
+@dataclass(frozen=True)
+class _Target:
+    """A file to write, and which channels of the picture it gets; None means all."""
+
+    file: str
+    channels: tuple[str, ...] | None
+
+
+def _split_channels(ctx: click.Context, param: click.Parameter, text: str | None) -> tuple[str, ...] | None:
+    if text is None:
+        return None
+    names = tuple(name.strip() for name in text.split(","))
+    for name in names:
+        if name not in CHANNELS:
+            raise click.BadParameter(f"{name!r} is not one of {', '.join(CHANNELS)}")
+    return names
+
+
+def _check_suffixes(ctx: click.Context, param: click.Parameter, files: tuple[str, ...]) -> tuple[str, ...]:
+    for file in files:
+        if Path(file).suffix.lower() not in SUFFIXES:
+            raise click.BadParameter(f"{file!r} does not end in {' or '.join(SUFFIXES)}")
+    return files
+
+
+@click.command(cls=GroupedCommand)
+@scene_options
+@click.option(
+    "-o",
+    "--output",
+    "files",
+    multiple=True,
+    metavar="FILE",
+    callback=_check_suffixes,
+    cls=Option,
+    group=OUTPUT,
+    help="Where to write: .png for the eye, .exr for numbers; may be given several times. "
+    "[default: 'outputs' of the scene]",
+)
+@click.option(
+    "--channels",
+    metavar="NAME,...",
+    callback=_split_channels,
+    cls=Option,
+    group=OUTPUT,
+    help=f"What the .exr of -o holds. [default: all: {','.join(CHANNELS)}]",
+)
+@click.option("--force", is_flag=True, cls=Option, group=OUTPUT, help="Replace files that exist.")
+@click.option(
+    "--size",
+    type=parse_size,
+    metavar="WxH",
+    cls=Option,
+    group=RENDERING,
+    help="Pixels of the picture. [default: of the scene]",
+)
+@click.option(
+    "--samples",
+    type=click.IntRange(1, 4096),
+    metavar="N",
+    cls=Option,
+    group=RENDERING,
+    help="Rays for each pixel. [default: of the scene]",
+)
+@click.option(
+    "--crop",
+    type=parse_crop,
+    metavar="X0,Y0,X1,Y1",
+    cls=Option,
+    group=RENDERING,
+    help="Render these pixels only, without column X1 and row Y1; rows count from the top.",
+)
+@device_options
+@click.option(
+    "--lanes",
+    type=click.Choice(["1", "4", "8", "16", "32", "64"]),
+    metavar="N",
+    callback=lambda ctx, param, text: text and int(text),
+    cls=Option,
+    group=DEVICE,
+    help="Rays marched side by side: 1, 4, 8, 16, 32 or 64. [default: what suits the device]",
+)
+@click.option(
+    "--finish",
+    type=click.Choice(["packet", "refill", "auto"]),
+    cls=Option,
+    group=DEVICE,
+    help="What lanes do whose rays end early: wait, or take new rays. [default: what the scene says]",
+)
+@click.option(
+    "--json", "as_json", is_flag=True, cls=Option, group=OTHER, help="Print statistics as JSON on stdout."
+)
+@click.option("--quiet", is_flag=True, cls=Option, group=OTHER, help="Show warnings and errors only.")
+def command(
+    scene: str,
+    defines: dict[str, str],
+    sets: tuple[str, ...],
+    files: tuple[str, ...],
+    channels: tuple[str, ...] | None,
+    force: bool,
+    size: tuple[int, int] | None,
+    samples: int | None,
+    crop: tuple[int, int, int, int] | None,
+    device: str | None,
+    precision: str | None,
+    lanes: int | None,
+    finish: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Render SCENE: a file, the name of a scene that comes with the program, or - for standard input.
+
+    Files are written beside their names and renamed when they are whole, so that an interrupted render leaves
+    nothing behind; those that exist are kept unless --force is given.
+
+    \b
+      thurston render scene.yaml -o picture.png
+      thurston render h3/seifert-weber -o a.exr -o a.png --size 1920x1080 --samples 16
+    """
+    from thurston_cl.device import choose
+    from thurston_cl.image import check_output
+    from thurston_cl.render import render
+    from thurston_cl.scene import load_scene
+
+    loaded = load_scene(scene, defines=defines, sets=sets)
+    targets = _targets(loaded, files, channels)
+    for target in targets:
+        check_output(target.file, target.channels, force)
+    if crop is not None:
+        _check_crop(crop, size or loaded.render.size)
+    chosen = choose(device)
+    _check_precision(chosen, precision or loaded.render.precision)
+
+    start = time.perf_counter()
+    written: list[str] = []
+    try:
+        with _Progress(sys.stderr.isatty() and not quiet) as progress:
+            image = render(
+                loaded,
+                device=chosen,
+                precision=precision,
+                lanes=lanes,
+                finish=finish,
+                size=size,
+                samples=samples,
+                crop=crop,
+                progress=progress,
+            )
+        for target in targets:
+            image.save(target.file, target.channels, force=force)
+            written.append(target.file)
+    except KeyboardInterrupt:
+        raise Interrupted(f"only {', '.join(written)} written" if written else "nothing written") from None
+    _report(image, targets, time.perf_counter() - start, as_json=as_json, quiet=quiet)
+
+
+def _targets(scene: Scene, files: Sequence[str], channels: tuple[str, ...] | None) -> list[_Target]:
+    """What to write: the files of `-o`, else those of the scene."""
+    if channels is not None and all(_is_png(file) for file in files):
+        raise click.UsageError("--channels says what an .exr holds: name one with -o FILE.exr")
+    if not files and not scene.outputs:
+        raise click.UsageError("where to? Give -o FILE.png or -o FILE.exr, or 'outputs' in the scene")
+    real = [os.path.realpath(file) for file in files]
+    for index, path in enumerate(real):
+        if path in real[:index]:
+            raise click.UsageError(f"-o {files[index]} is given twice")
+    wanted = [(file, channels) for file in files] or [(o.file, o.channels) for o in scene.outputs]
+    return [_Target(file, ("beauty",) if _is_png(file) else names) for file, names in wanted]
+
+
+def _is_png(file: str) -> bool:
+    return file.lower().endswith(".png")
+
+
+def _check_crop(crop: tuple[int, int, int, int], size: tuple[int, int]) -> None:
+    if crop[2] > size[0] or crop[3] > size[1]:
+        raise click.UsageError(
+            f"--crop {','.join(map(str, crop))} reaches beyond the picture of {size[0]}x{size[1]} pixels"
+        )
+
+
+def _check_precision(device: Device, precision: str) -> None:
+    if precision == "double" and not device.info.fp64:
+        raise NoDeviceError(
+            f"{device.info.name} ({device.info.id}) has no double precision; "
+            "use --precision single, or a --device that 'thurston devices' lists with fp64"
+        )
+
+
+class _Progress(contextlib.AbstractContextManager["_Progress"]):
+    """Called with (done, total), draws a bar with the remaining time on stderr, if `shown`."""
+
+    def __init__(self, shown: bool) -> None:
+        self._shown = shown
+        self._stack = contextlib.ExitStack()
+        self._bar: Any = None
+        self._done = 0
+
+    def __call__(self, done: int, total: int) -> None:
+        if not self._shown:
+            return
+        if self._bar is None:
+            self._bar = self._stack.enter_context(
+                click.progressbar(length=total, label="rendering", file=sys.stderr)
+            )
+        self._bar.update(done - self._done)
+        self._done = done
+
+    def __exit__(self, *exception: Any) -> None:
+        self._stack.close()
+
+
+def _report(image: Image, targets: Sequence[_Target], seconds: float, *, as_json: bool, quiet: bool) -> None:
+    """Say on stderr what was made, and on stdout, if asked, all that is known of it."""
+    statistics = image.statistics
+    if not_numbers := statistics.get("nan_pixels", 0):
+        click.echo(
+            f"thurston: warning: {not_numbers} pixels are not a number; try --precision double", err=True
+        )
+    names = ", ".join(target.file for target in targets)
+    if not quiet:
+        facts = [f"{image.width}x{image.height}", f"{seconds:.1f} s"]
+        facts += [str(statistics[key]) for key in ("precision", "device") if key in statistics]
+        click.echo(f"wrote {names} ({', '.join(facts)})", err=True)
+    if as_json:
+        outputs = [
+            {"file": target.file, "channels": target.channels or tuple(image.channels)} for target in targets
+        ]
+        answer = {**statistics, "size": [image.width, image.height], "seconds": seconds, "outputs": outputs}
+        click.echo(json.dumps(_plain(answer), indent=2, allow_nan=False))
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON holds it: NumPy's numbers as Python's, and null for what is not finite."""
+    if isinstance(value, dict):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(entry) for entry in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

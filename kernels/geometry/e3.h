@@ -1,0 +1,39 @@
+// e3.h - Euclidean space: the affine space w = 1 of R^4 (paper 7.1), K = 0.
+//
+// ACCURACY (maximal relative error, tests/test_golden.py)   float 1.2e-7   double 2.5e-16
+#define CURVATURE 0
+FN real curved_sine(real t, real *cosine) { *cosine = REAL(1); return t; }
+FN real arc_of_sine(real s) { return s; }
+FN real inverse_one_plus_w(point p) { return REAL(C(0.5)); }
+FN real inner(point p, vector a, vector b) { return dot_3(first_3(a), first_3(b)); }
+FN real origin_distance(point p) { return sqrt(dot_3(first_3(p), first_3(p))); }
+
+// Length along the axis through o of the foot of a point, from its coordinate z along the axis and w.
+FN real axis_length(real z, real w) { return z; }
+
+FN void chord(point p, point q, point p_tail, point q_tail, real4_lanes *d, real4_lanes *sum)
+{
+  *d = add_scaled_4(add_scaled_4(q, p, REAL(-1)), add_scaled_4(q_tail, p_tail, REAL(-1)), REAL(1));
+  *sum = add_scaled_4(q, p, REAL(1));
+}
+
+FN real distance_between(point p, point q, point p_tail, point q_tail)
+{
+  real4_lanes d, sum;
+  chord(p, q, p_tail, q_tail, &d, &sum);
+  return sqrt(dot_3(first_3(d), first_3(d)));
+}
+
+// Where q lies from p, in the frame at p, not normalised.
+FN direction towards(point p, point q, point p_tail, point q_tail)
+{
+  real4_lanes d, sum;
+  chord(p, q, p_tail, q_tail, &d, &sum);
+  return first_3(d);
+}
+
+// Time until the wall n is crossed, from the ratio (n . v)/(-n . p): on a straight line n . p + t n . v = 0.
+FN real crossing_time(real ratio) { return SELECT(ratio > REAL(0), REAL(1) / ratio, REAL(INFINITY)); }
+
+// Rounding of the flow, undone: here only the speed drifts.
+FN void reproject(point *p, vector *v) { *v = scale_4(*v, rsqrt(dot_3(first_3(*v), first_3(*v)))); }

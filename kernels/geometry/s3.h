@@ -1,0 +1,62 @@
+// s3.h - the three-sphere |p| = 1 of R^4 (paper 7.2), K = +1.
+//
+// METHOD. Distance is atan2(|p ^ d|, <p, q>) with d = q -+ p: never acos of a number near 1. The w component of d follows
+// from <d, q +- p> = 0, since w is the one coordinate that users compute from the others and round.
+// ACCURACY (maximal relative error, tests/test_golden.py)   float 2.5e-7   double 4e-16 (near coincident and near antipodal)
+#define CURVATURE 1
+FN real curved_sine(real t, real *cosine) { return sin_cos(t, cosine); }
+FN real arc_of_sine(real s) { return arc_tangent_2(s, sqrt(fmax((REAL(1) - s) * (REAL(1) + s), REAL(0)))); }
+FN real inner(point p, vector a, vector b) { return dot_4(a, b); }
+
+// 1/(1 + w); on the half w < 0 in the form (1 - w)/|x|^2, which does not cancel. The frame is undefined at w = -1 alone.
+FN real inverse_one_plus_w(point p)
+{
+  real3_lanes x = first_3(p);
+  mask far = p.w < REAL(0);
+  return SELECT(far, REAL(1) - p.w, REAL(1)) / SELECT(far, fmax(dot_3(x, x), REAL(TINY)), REAL(1) + p.w);
+}
+
+FN real origin_distance(point p) { return arc_tangent_2(sqrt(dot_3(first_3(p), first_3(p))), p.w); }
+
+// Length along the axis through o of the foot of a point, from its coordinate z along the axis and w.
+FN real axis_length(real z, real w) { return arc_tangent_2(z, w); }
+
+// Below this |sum.w| the relation that gives d.w is ill-conditioned and the plain difference is the better one.
+#define CHORD_W_FROM_SUM C(0.25)
+// The short one of q - p and q + p, and the other one.
+FN void chord(point p, point q, point p_tail, point q_tail, real4_lanes *d, real4_lanes *sum)
+{
+  real sign = SELECT(dot_4(p, q) < REAL(0), REAL(1), REAL(-1));
+  *d = add_scaled_4(add_scaled_4(q, p, sign), add_scaled_4(q_tail, p_tail, sign), REAL(1));
+  *sum = add_scaled_4(q, p, -sign);
+  mask safe = fabs(sum->w) > REAL(CHORD_W_FROM_SUM);
+  d->w = SELECT(safe, -dot_3(first_3(*d), first_3(*sum)) / SELECT(safe, sum->w, REAL(1)), d->w);
+}
+
+FN real distance_between(point p, point q, point p_tail, point q_tail)
+{
+  real4_lanes d, sum;
+  chord(p, q, p_tail, q_tail, &d, &sum);
+  real3_lanes spatial = cross_3(first_3(p), first_3(d));
+  real3_lanes mixed = add_scaled_3(scale_3(first_3(p), d.w), first_3(d), -p.w);
+  return arc_tangent_2(sqrt(dot_3(spatial, spatial) + dot_3(mixed, mixed)), dot_4(p, q));
+}
+
+// Where q lies from p, in the frame at p, not normalised: the spatial part of untranslate(p, q) = untranslate(p, d) +- o.
+FN direction towards(point p, point q, point p_tail, point q_tail)
+{
+  real4_lanes d, sum;
+  chord(p, q, p_tail, q_tail, &d, &sum);
+  real along = fma(dot_3(first_3(p), first_3(d)), inverse_one_plus_w(p), d.w);
+  return add_scaled_3(first_3(d), first_3(p), -along);
+}
+
+// cos t (n . p) + sin t (n . v) = 0: every geodesic meets every wall.
+FN real crossing_time(real ratio) { return arc_tangent_2(REAL(1), ratio); }
+
+FN void reproject(point *p, vector *v)
+{
+  *p = scale_4(*p, rsqrt(dot_4(*p, *p)));
+  vector tangent = add_scaled_4(*v, *p, -dot_4(*p, *v));
+  *v = scale_4(tangent, rsqrt(dot_4(tangent, tangent)));
+}

@@ -1,0 +1,18 @@
+// hard_shadow.h - is the light hidden? (paper 5.2). A ray from just above the surface to the light meets an object, or not.
+
+// The start is lifted off the surface by this many hit thresholds, so that the surface does not shade itself.
+#define SHADOW_LIFT 4
+
+FN mask hard_shadow(shading s, arrival a, point light, int k, int max_steps, scene_data scene, real *shadow_steps)
+{
+  ray r = new_ray(s.p, push(s.p, s.normal));
+  flow(&r.p, &r.v, number(scene, HIT_THRESHOLD) * REAL(SHADOW_LIFT));
+  point exact = {REAL(0), REAL(0), REAL(0), REAL(0)};
+  direction towards_light;
+  real length;
+  r.active = a.lit & geodesic(r.p, light, exact, exact, k, &towards_light, &length);
+  r.v = push(r.p, towards_light);
+  for (int i = 0; i < max_steps && ANY(r.active); i++) r = march_step(r, length, scene);
+  *shadow_steps += r.steps;
+  return r.hit;
+}

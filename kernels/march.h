@@ -1,0 +1,56 @@
+// march.h - the ray marcher (paper 2, 4.1): sphere tracing with masks, one branch-free teleport pass a step.
+//
+// The scene part gives scene_distance; outside_cell, teleport and, where the scene creeps, wall_time.
+typedef struct {
+  point p;
+  vector v;
+  real t, steps, cell;
+  mask active, hit;
+} ray;
+
+// How far beyond a wall a point counts as outside, in units of rounding: without it a point on a wall is sent to and fro.
+#define WALL_SLACK 64
+FN real wall_slack(point p) { return REAL(WALL_SLACK * EPSILON) * (REAL(1) + fabs(p.w)); }
+
+FN ray new_ray(point p, vector v)
+{
+  ray r = {p, v, REAL(0), REAL(0), REAL(0)};
+  r.active = r.t == r.t;
+  r.hit = NOT(r.active);
+  return r;
+}
+
+#ifdef IN_QUOTIENT
+FN mask outside_cell(point p, scene_data scene);
+FN void teleport(ray *r, scene_data scene);
+FN real wall_time(point p, vector v, scene_data scene);
+#endif
+FN real scene_distance(point p, scene_data scene);
+
+// One step of every active lane towards `limit`. Lanes outside the cell wait: step 0, then the teleport pass moves them on.
+// A NaN fails every comparison, so such a lane stops and is no hit.
+FN ray march_step(ray r, real limit, scene_data scene)
+{
+  real distance = scene_distance(r.p, scene), threshold = number(scene, HIT_THRESHOLD);
+#ifdef IN_QUOTIENT
+  mask inside = NOT(outside_cell(r.p, scene));
+#else
+  mask inside = r.t == r.t;
+#endif
+  mask there = r.active & inside & (distance < threshold);
+  r.hit |= there;
+  r.active &= NOT(there) & (r.t < limit);
+#ifdef CREEPING
+  // Just over the wall and no further, so that nothing behind it is jumped (paper 4.2.1).
+  distance = fmin(distance, wall_time(r.p, r.v, scene) + threshold);
+#endif
+  real t = SELECT(r.active & inside, distance, REAL(0));
+  flow(&r.p, &r.v, t);
+  r.t += t;
+  r.steps += SELECT(r.active, REAL(1), REAL(0));
+#ifdef IN_QUOTIENT
+  teleport(&r, scene);
+#endif
+  reproject(&r.p, &r.v);
+  return r;
+}

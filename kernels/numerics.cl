@@ -1,0 +1,86 @@
+// numerics.cl - the geometry contract over arrays, for the Python API. One kernel a function.
+//
+// Arrays are component-major: component c of item i stands at [c * stride + i], stride a multiple of LANES, in one input and
+// one output buffer. Points have 4 components, directions 3; _tail is what single precision cut off an input.
+FN real component(int c, __global const scalar *from, int stride) { return LOAD(get_global_id(0), from + (size_t)c * stride); }
+FN void put(real v, int c, __global scalar *to, int stride) { STORE(v, get_global_id(0), to + (size_t)c * stride); }
+FN real3_lanes get_3(int c, __global const scalar *from, int stride)
+{
+  real3_lanes r = {component(c, from, stride), component(c + 1, from, stride), component(c + 2, from, stride)};
+  return r;
+}
+FN real4_lanes get_4(int c, __global const scalar *from, int stride)
+{
+  return with_w(get_3(c, from, stride), component(c + 3, from, stride));
+}
+FN void put_3(real3_lanes v, int c, __global scalar *to, int stride)
+{
+  put(v.x, c, to, stride);
+  put(v.y, c + 1, to, stride);
+  put(v.z, c + 2, to, stride);
+}
+FN void put_4(real4_lanes v, int c, __global scalar *to, int stride)
+{
+  put_3(first_3(v), c, to, stride);
+  put(v.w, c + 3, to, stride);
+}
+#define ARRAYS __global const scalar *in, __global scalar *out, int stride
+
+// base 0-3, direction 4-6, time 7, time_tail 8 -> point 0-3, direction 4-6
+__kernel void numerics_flow(ARRAYS)
+{
+  point base = get_4(0, in, stride);
+  direction u = get_3(4, in, stride);
+  point reached = exponential(u, component(7, in, stride), component(8, in, stride));
+  put_4(translate(base, reached), 0, out, stride);
+  put_3(turn_frame(base, reached, u), 4, out, stride);
+}
+
+// base 0-3, direction 4-6, time 7, time_tail 8 -> the matrix of parallel transport between the frames, row by row 0-8
+__kernel void numerics_transport(ARRAYS)
+{
+  point base = get_4(0, in, stride), reached = exponential(get_3(4, in, stride), component(7, in, stride), component(8, in, stride));
+  for (int k = 0; k < 3; k++) {
+    direction e = {REAL(k == 0), REAL(k == 1), REAL(k == 2)};
+    direction column = turn_frame(base, reached, e);
+    put(column.x, k, out, stride);
+    put(column.y, 3 + k, out, stride);
+    put(column.z, 6 + k, out, stride);
+  }
+}
+
+// point 0-3, direction 4-6 -> ambient velocity 0-3
+__kernel void numerics_velocity(ARRAYS) { put_4(push(get_4(0, in, stride), get_3(4, in, stride)), 0, out, stride); }
+
+// base 0-3, point 4-7, base_tail 8-11, point_tail 12-15 -> distance 0
+__kernel void numerics_distance(ARRAYS)
+{
+  put(distance_between(get_4(0, in, stride), get_4(4, in, stride), get_4(8, in, stride), get_4(12, in, stride)), 0, out, stride);
+}
+
+// point 0-3 -> lower bound of the distance from the origin 0
+__kernel void numerics_underestimate(ARRAYS) { put(underestimate(get_4(0, in, stride)), 0, out, stride); }
+
+// base 0-3, point 4-7, base_tail 8-11, point_tail 12-15; the k-th -> direction 0-2, length 3; NaN where there is none
+__kernel void numerics_geodesic(ARRAYS, int k)
+{
+  direction u;
+  real length;
+  mask exists = geodesic(get_4(0, in, stride), get_4(4, in, stride), get_4(8, in, stride), get_4(12, in, stride), k, &u, &length);
+  real absent = SELECT(exists, REAL(0), REAL(NAN));
+  u.x += absent;
+  u.y += absent;
+  u.z += absent;
+  put_3(u, 0, out, stride);
+  put(length + absent, 3, out, stride);
+}
+
+// direction 0-2, time 3, time_tail 4 -> area density 0
+__kernel void numerics_area_density(ARRAYS)
+{
+  put(area_density(get_3(0, in, stride), component(3, in, stride), component(4, in, stride)), 0, out, stride);
+}
+
+// base 0-3, point 4-7 -> point 0-3
+__kernel void numerics_translate(ARRAYS) { put_4(translate(get_4(0, in, stride), get_4(4, in, stride)), 0, out, stride); }
+__kernel void numerics_untranslate(ARRAYS) { put_4(untranslate(get_4(0, in, stride), get_4(4, in, stride)), 0, out, stride); }

@@ -1,0 +1,167 @@
+// render.cl - the entry points for pictures: `trace_packet` and `trace_refill` march the rays of one tile and record where
+// they end; `shade` turns the records into colour and the other channels. Pixels of a tile are numbered 4x4 block by block,
+// so that the rays of a packet are neighbours; the host undoes that.
+//
+// The generated scene part gives, beside what march.h needs: view_ray(x, y), scene_surface and scene_light, scene_air,
+// scene_background.
+
+// A record: t, steps, cell, hit (1), out of steps (2) or miss (0), position, velocity.
+#define RECORD_T 0
+#define RECORD_STEPS 1
+#define RECORD_CELL 2
+#define RECORD_END 3
+#define RECORD_POINT 4
+#define RECORD_VECTOR 8
+
+// Channels of a tile. Sums run over the samples of a pixel, the others belong to its first sample.
+#define SUM_COLOR 0
+#define SUM_STEPS 3
+#define SUM_SHADOW_STEPS 4
+#define SUM_HITS 5
+#define SUM_NAN 6
+#define SUM_OUT_OF_STEPS 7
+#define FIRST_DEPTH 8
+#define FIRST_NORMAL 9
+#define FIRST_STEPS 12
+#define FIRST_OBJECT 13
+#define FIRST_CELL 14
+
+// The place of a tile in the picture and of the sample in its pixel.
+#define TILE int left, int top, int width, scalar shift_x, scalar shift_y
+#define TILE_ARGUMENTS left, top, width, shift_x, shift_y
+
+FN ray start(lane_int id, scene_data scene, TILE)
+{
+  lane_int inner_id = id & 15, block = id >> 4;
+  int blocks = width >> 2;
+  lane_int row = block / blocks, column = block - row * blocks;
+  real x = TO_REAL(column * 4 + (inner_id & 3) + left) + REAL(shift_x);
+  real y = TO_REAL(row * 4 + (inner_id >> 2) + top) + REAL(shift_y);
+  return view_ray(x, y, scene);
+}
+
+FN real end_of(ray r) { return SELECT(r.hit, REAL(1), SELECT(r.active, REAL(2), REAL(0))); }
+
+// One work-item marches one packet of LANES neighbouring pixels until the last ray has ended.
+__kernel void trace_packet(__global scalar *records, int stride, TILE, int max_steps, __constant const scalar *numbers,
+                           __global const int *next_cell)
+{
+  scene_data scene = {numbers, next_cell};
+  size_t packet = get_global_id(0);
+  ray r = start((int)packet * LANES + LANE_IDS, scene, TILE_ARGUMENTS);
+  for (int i = 0; i < max_steps && ANY(r.active); i++) r = march_step(r, number(scene, FAR), scene);
+  STORE(r.t, packet, records + (size_t)RECORD_T * stride);
+  STORE(r.steps, packet, records + (size_t)RECORD_STEPS * stride);
+  STORE(r.cell, packet, records + (size_t)RECORD_CELL * stride);
+  STORE(end_of(r), packet, records + (size_t)RECORD_END * stride);
+  real4_lanes four[2] = {r.p, r.v};
+  for (int k = 0; k < 2; k++) {
+    __global scalar *to = records + (size_t)(RECORD_POINT + 4 * k) * stride;
+    STORE(four[k].x, packet, to);
+    STORE(four[k].y, packet, to + stride);
+    STORE(four[k].z, packet, to + 2 * stride);
+    STORE(four[k].w, packet, to + 3 * stride);
+  }
+}
+
+// One work-item owns `chunk` consecutive pixels; when a quarter of its lanes have ended, it records them and gives those
+// lanes the next pixels. Better where the lengths of rays in a packet differ much.
+__kernel void trace_refill(__global scalar *records, int stride, TILE, int max_steps, __constant const scalar *numbers,
+                           __global const int *next_cell, int chunk)
+{
+  scene_data scene = {numbers, next_cell};
+  int first = (int)get_global_id(0) * chunk, next = first + LANES, end = first + chunk;
+  int_lanes id;
+  id.lanes = first + LANE_IDS;
+  ray r = start(id.lanes, scene, TILE_ARGUMENTS);
+  mask_lanes owns, ended;
+  owns.lanes = r.active;
+  real age = REAL(0);
+  for (;;) {
+    r = march_step(r, number(scene, FAR), scene);
+    age += REAL(1);
+    mask running = r.active & (age < REAL(max_steps));
+    ended.lanes = owns.lanes & NOT(running);
+    if (COUNT(ended.lanes) < (LANES + 3) / 4 && ANY(owns.lanes & running)) continue;
+    real_lanes values[12] = {{r.t}, {r.steps}, {r.cell}, {end_of(r)}, {r.p.x}, {r.p.y}, {r.p.z}, {r.p.w},
+                             {r.v.x}, {r.v.y}, {r.v.z}, {r.v.w}};
+    for (int lane = 0; lane < LANES; lane++)
+      if (ended.at[lane]) {
+        for (int c = 0; c < 12; c++) records[(size_t)c * stride + id.at[lane]] = values[c].at[lane];
+        if (next < end) id.at[lane] = next++;
+        else owns.at[lane] = 0;
+      }
+    if (!ANY(owns.lanes)) break;
+    mask fresh = ended.lanes & owns.lanes;
+    if (ANY(fresh)) {
+      ray begun = start(id.lanes, scene, TILE_ARGUMENTS);
+      r.p = select_4(fresh, begun.p, r.p);
+      r.v = select_4(fresh, begun.v, r.v);
+      r.t = SELECT(fresh, REAL(0), r.t);
+      r.steps = SELECT(fresh, REAL(0), r.steps);
+      r.cell = SELECT(fresh, begun.cell, r.cell);
+      r.hit &= NOT(fresh);
+      age = SELECT(fresh, REAL(0), age);
+    }
+    r.active = owns.lanes & (fresh | r.active);
+  }
+}
+
+FN void add_to(real v, int channel, int sample, __global scalar *pixels, int stride)
+{
+  __global scalar *to = pixels + (size_t)channel * stride;
+  size_t packet = get_global_id(0);
+  STORE(sample == 0 ? v : v + LOAD(packet, to), packet, to);
+}
+
+__kernel void shade(__global const scalar *records, __global scalar *pixels, int stride, int sample, int max_steps,
+                    __constant const scalar *numbers, __global const int *next_cell)
+{
+  scene_data scene = {numbers, next_cell};
+  size_t packet = get_global_id(0);
+  real record[12];
+  for (int c = 0; c < 12; c++) record[c] = LOAD(packet, records + (size_t)c * stride);
+  point p = {record[RECORD_POINT], record[RECORD_POINT + 1], record[RECORD_POINT + 2], record[RECORD_POINT + 3]};
+  vector v = {record[RECORD_VECTOR], record[RECORD_VECTOR + 1], record[RECORD_VECTOR + 2], record[RECORD_VECTOR + 3]};
+  real t = record[RECORD_T], cell = record[RECORD_CELL], shadow_steps = REAL(0), object = REAL(0);
+  // A ray out of steps has come as near to a surface as it could: it is shaded there, and counted.
+  mask hit = record[RECORD_END] > REAL(0);
+  real3_lanes seen = scene_background(scene), normal = {REAL(0), REAL(0), REAL(0)};
+  if (ANY(hit)) {
+    shading s;
+    covector gradient;
+    scene_surface(p, &object, &cell, &gradient, &s.m, scene);
+    direction g = pull_covector(p, gradient), u = pull(p, v);
+    s.p = p;
+    s.normal = scale_3(g, rsqrt(dot_3(g, g)));
+    s.viewer = scale_3(u, -rsqrt(dot_3(u, u)));
+    real3_lanes lit = scene_light(s, hit, max_steps, scene, &shadow_steps);
+    seen = select_3(hit, lit, seen);
+    normal = select_3(hit, s.normal, normal);
+  }
+  object = SELECT(hit, object, REAL(0));
+  seen = scene_air(seen, SELECT(hit, t, REAL(INFINITY)), scene);
+
+  // A NaN anywhere is a counted pixel of background.
+  real sum = seen.x + seen.y + seen.z + t;
+  mask bad = NOT(sum == sum);
+  seen = select_3(bad, scene_background(scene), seen);
+  add_to(seen.x, SUM_COLOR, sample, pixels, stride);
+  add_to(seen.y, SUM_COLOR + 1, sample, pixels, stride);
+  add_to(seen.z, SUM_COLOR + 2, sample, pixels, stride);
+  add_to(record[RECORD_STEPS], SUM_STEPS, sample, pixels, stride);
+  add_to(shadow_steps, SUM_SHADOW_STEPS, sample, pixels, stride);
+  add_to(SELECT(hit & NOT(bad), REAL(1), REAL(0)), SUM_HITS, sample, pixels, stride);
+  add_to(SELECT(bad, REAL(1), REAL(0)), SUM_NAN, sample, pixels, stride);
+  add_to(SELECT(record[RECORD_END] > REAL(1), REAL(1), REAL(0)), SUM_OUT_OF_STEPS, sample, pixels, stride);
+  if (sample == 0) {
+    hit &= NOT(bad);
+    STORE(SELECT(hit, t, REAL(INFINITY)), packet, pixels + (size_t)FIRST_DEPTH * stride);
+    STORE(SELECT(hit, normal.x, REAL(0)), packet, pixels + (size_t)FIRST_NORMAL * stride);
+    STORE(SELECT(hit, normal.y, REAL(0)), packet, pixels + (size_t)(FIRST_NORMAL + 1) * stride);
+    STORE(SELECT(hit, normal.z, REAL(0)), packet, pixels + (size_t)(FIRST_NORMAL + 2) * stride);
+    STORE(record[RECORD_STEPS], packet, pixels + (size_t)FIRST_STEPS * stride);
+    STORE(SELECT(hit, object, REAL(0)), packet, pixels + (size_t)FIRST_OBJECT * stride);
+    STORE(SELECT(hit, cell + REAL(1), REAL(0)), packet, pixels + (size_t)FIRST_CELL * stride);
+  }
+}

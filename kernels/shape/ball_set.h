@@ -1,0 +1,46 @@
+// ball_set.h - the union of `count` balls of one radius; centres stand in the scene's numbers, 4 each.
+// Distance grows with the chord, so one chord a ball is compared and one arc taken.
+FN real chord_square(point p, scene_data scene, int centre)
+{
+  __constant const scalar *c = scene.numbers + centre;
+  vector d = {p.x - REAL(c[0]), p.y - REAL(c[1]), p.z - REAL(c[2]), p.w - REAL(c[3])};
+  return inner(p, d, d);
+}
+
+// Arc length over a chord: t, 2 asin(c/2), 2 asinh(c/2).
+FN real arc_of_chord(real square)
+{
+#if CURVATURE == 0
+  return sqrt(square);
+#else
+  return REAL(2) * arc_of_sine(REAL(C(0.5)) * sqrt(fmax(square, REAL(0))));
+#endif
+}
+
+FN real ball_set_distance(point p, scene_data scene, int centres, int count, real radius)
+{
+  real least = chord_square(p, scene, centres);
+  for (int i = 1; i < count; i++) least = fmin(least, chord_square(p, scene, centres + 4 * i));
+  return arc_of_chord(least) - radius;
+}
+
+FN surface ball_set_surface(point p, scene_data scene, int centres, int count, real radius)
+{
+  real least = REAL(INFINITY);
+  covector gradient = {REAL(0), REAL(0), REAL(0), REAL(0)};
+  for (int i = 0; i < count; i++) {
+    __constant const scalar *c = scene.numbers + centres + 4 * i;
+    real square = chord_square(p, scene, centres + 4 * i);
+    // The gradient of -<c, p>, up to a positive factor; in e3 of |p - c|^2.
+#if CURVATURE == 0
+    covector g = {p.x - REAL(c[0]), p.y - REAL(c[1]), p.z - REAL(c[2]), REAL(0)};
+#else
+    covector g = {REAL(-c[0]), REAL(-c[1]), REAL(-c[2]), REAL(-CURVATURE * c[3])};
+#endif
+    mask nearer = square < least;
+    least = SELECT(nearer, square, least);
+    gradient = select_4(nearer, g, gradient);
+  }
+  surface s = {arc_of_chord(least) - radius, gradient, REAL(0), REAL(0)};
+  return s;
+}

@@ -1,0 +1,220 @@
+"""The numerical back-end over arrays: geodesic flow, distance, all geodesics, light intensity, in one geometry.
+
+Points are 4-vectors of the geometry's model (paper sections 7.1-7.3): [x, y, z, 1] in e3; [x, y, z, w] on the unit sphere in
+s3 and on the sheet x^2 + y^2 + z^2 - w^2 = -1, w > 0 in h3. The origin is [0, 0, 0, 1]. Directions have three components: a
+unit vector in the frame at a point p that translation(p), the transvection from the origin to p, carries from the origin.
+Lengths are in units of the geometry's curvature. Arrays are float64, first axis N, whatever the precision inside.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from thurston_cl import device as devices
+from thurston_cl.program import GEOMETRIES, LOCAL_SIZE, Source, build_widest, geometry_parts
+
+if TYPE_CHECKING:
+    from thurston_cl.device import Device
+
+Array = NDArray[np.float64]
+
+# How far an input may be off its model or its unit length: far above rounding, far below a mistake.
+MODEL_TOLERANCE = 1e-6
+
+
+class Geometry:
+    """One of Thurston's geometries on one OpenCL device.
+
+    name: "e3", "s3" or "h3". precision: "single" or "double", the arithmetic inside. device: what `--device` accepts, None for
+    the default choice. flow: "exact". lanes: width of the kernels, None for the device's default.
+    Raises ValueError for unknown names and wrong arrays, NoDeviceError where nothing can build a kernel.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        precision: str = "double",
+        device: "str | Device | None" = None,
+        flow: str = "exact",
+        lanes: int | None = None,
+    ) -> None:
+        if name not in GEOMETRIES:
+            raise ValueError(f"unknown geometry {name!r}; expected one of: {', '.join(GEOMETRIES)}")
+        if precision not in ("single", "double"):
+            raise ValueError(f"unknown precision {precision!r}; expected 'single' or 'double'")
+        if flow != "exact":
+            raise ValueError(f"unknown flow {flow!r}; expected 'exact'")
+        self.name = name
+        self.precision = precision
+        self.device = devices.choose(device) if device is None or isinstance(device, str) else device
+        if precision == "double" and not self.device.info.fp64:
+            raise ValueError(f"{self.device.info.name} has no double precision; use precision='single' or another device")
+        source = Source((*geometry_parts(name), "numerics.cl"))
+        width = lanes or self.device.info.lane_width(precision)
+        self._program, self.lanes = build_widest(self.device, source, precision, width)
+
+    def flow(self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None = None) -> tuple[Array, Array]:
+        """Follow geodesics from `base` (N,4; default the origin) along `direction` (N,3) for the length `time` (N,).
+
+        Returns the points (N,4) and the directions of travel there (N,3). Paper 7.1-7.3; math of the frame: `isotropic.h`.
+        """
+        u, t, b = self._rays(direction, time, base)
+        out = self._run("flow", [b, u, *self._with_tail(t)], 7)
+        return out[:, :4], out[:, 4:]
+
+    def velocity(self, point: ArrayLike, direction: ArrayLike) -> Array:
+        """The ambient velocity (N,4) of a unit `direction` (N,3) in the frame at `point` (N,4)."""
+        p = self._points("point", point)
+        u = self._directions(direction)
+        p, u = _together(p, u)
+        return self._run("velocity", [p, u], 4)
+
+    def transport(self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None = None) -> Array:
+        """Parallel transport (N,3,3) along the geodesics of `flow`, from the frame at the start to the frame at the end.
+
+        From the origin it is the identity here, since the frames themselves are transported along these geodesics (paper 7.4).
+        """
+        u, t, b = self._rays(direction, time, base)
+        return self._run("transport", [b, u, *self._with_tail(t)], 9).reshape(-1, 3, 3)
+
+    def distance(self, point: ArrayLike, base: ArrayLike | None = None) -> Array:
+        """The exact distance (N,) of `point` (N,4) from `base` (N,4; default the origin)."""
+        return self._run("distance", self._pair_with_tails(point, base), 1)[:, 0]
+
+    def underestimate(self, point: ArrayLike) -> Array:
+        """A lower bound (N,) of the distance of `point` (N,4) from the origin, cheap enough to march with."""
+        return self._run("underestimate", [self._points("point", point)], 1)[:, 0]
+
+    def geodesics(self, point: ArrayLike, count: int, base: ArrayLike | None = None) -> tuple[Array, Array]:
+        """The `count` shortest geodesics from `base` (N,4; default the origin) to `point` (N,4).
+
+        Returns directions at the base (N,count,3) and lengths (N,count), shortest first, NaN where there are fewer: e3 and h3
+        have one; s3 has two shorter than 2 pi, and each again with every full turn (paper 7.5). At an s3 antipode every
+        direction is right; one is returned.
+        """
+        if count < 1:
+            raise ValueError(f"count is {count}; expected at least 1")
+        arrays = self._pair_with_tails(point, base)
+        out = np.stack([self._run("geodesic", arrays, 4, k) for k in range(count)], axis=1)
+        return out[:, :, :3], out[:, :, 3]
+
+    def area_density(self, direction: ArrayLike, time: ArrayLike) -> Array:
+        """Area of the wave front per solid angle (N,) after `time` (N,) along `direction` (N,3); intensity is its inverse (5.7)."""
+        u, t, _ = self._rays(direction, time, None)
+        return self._run("area_density", [u, *self._with_tail(t)], 1)[:, 0]
+
+    def translate(self, base: ArrayLike, point: ArrayLike) -> Array:
+        """translation(base) applied to `point` (N,4): the isometry that carries the origin to `base`."""
+        return self._run("translate", list(_together(self._points("base", base), self._points("point", point))), 4)
+
+    def untranslate(self, base: ArrayLike, point: ArrayLike) -> Array:
+        """The inverse of translation(base) applied to `point` (N,4)."""
+        return self._run("untranslate", list(_together(self._points("base", base), self._points("point", point))), 4)
+
+    def translation_matrix(self, base: ArrayLike) -> Array:
+        """translation(base) as matrices (N,4,4) that act on points written as columns."""
+        b = self._points("base", base)
+        columns = [self._run("translate", [b, np.broadcast_to(row, b.shape)], 4) for row in np.eye(4)]
+        return np.stack(columns, axis=2)
+
+    def _rays(self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None) -> tuple[Array, Array, Array]:
+        u = self._directions(direction)
+        t = _finite("time", time)
+        if t.ndim > 1:
+            raise ValueError(f"time has shape {t.shape}; expected (N,) or a number")
+        b = self._points("base", [0.0, 0.0, 0.0, 1.0] if base is None else base)
+        u, t2, b = _together(u, t.reshape(-1, 1), b)
+        return u, t2[:, 0], b
+
+    def _pair_with_tails(self, point: ArrayLike, base: ArrayLike | None) -> list[Array]:
+        p = self._points("point", point)
+        b = self._points("base", [0.0, 0.0, 0.0, 1.0] if base is None else base)
+        b, p = _together(b, p)
+        # The difference of nearby points is exact only with their tails.
+        return [b, p, self._tail(b), self._tail(p)]
+
+    def _tail(self, values: Array) -> Array:
+        """What the precision inside cuts off `values`."""
+        return values - values.astype(self._dtype)
+
+    def _with_tail(self, time: Array) -> list[Array]:
+        return [time[:, None], self._tail(time)[:, None]]
+
+    def _directions(self, direction: ArrayLike) -> Array:
+        u = _rows("direction", direction, 3)
+        off = np.abs(np.linalg.norm(u, axis=1) - 1)
+        if off.size and off.max() > MODEL_TOLERANCE:
+            worst = int(off.argmax())
+            raise ValueError(f"direction {worst} has length {np.linalg.norm(u[worst]):.6g}; expected a unit vector")
+        return u
+
+    def _points(self, what: str, points: ArrayLike) -> Array:
+        p = _rows(what, points, 4)
+        if not p.size:
+            return p
+        squares = (p[:, :3] ** 2).sum(axis=1)
+        w = p[:, 3]
+        defect, model = {
+            "e3": (np.abs(w - 1), "w = 1"),
+            "s3": (np.abs(squares + w**2 - 1), "x^2 + y^2 + z^2 + w^2 = 1"),
+            "h3": (np.abs(w - np.sqrt(1 + squares)) / np.sqrt(1 + squares), "w = sqrt(1 + x^2 + y^2 + z^2)"),
+        }[self.name]
+        if defect.max() > MODEL_TOLERANCE:
+            worst = int(defect.argmax())
+            raise ValueError(f"{what} {worst} = {p[worst].tolist()} is off the model of {self.name}; expected {model}")
+        return p
+
+    @property
+    def _dtype(self) -> type[np.floating]:
+        return np.float64 if self.precision == "double" else np.float32
+
+    def _run(self, name: str, arrays: Sequence[Array], outputs: int, *constants: int) -> Array:
+        """Run one kernel of numerics.cl over the concatenated components of `arrays`; returns (N, outputs)."""
+        import pyopencl as cl
+
+        count = arrays[0].shape[0]
+        packet = self.lanes * LOCAL_SIZE
+        stride = max(1, -(-count // packet)) * packet
+        dtype = self._dtype
+        rows = np.concatenate(arrays, axis=1).T
+        # Padding repeats a valid item: a lane that computes nonsense may be slow (denormals, NaN).
+        data = np.empty((rows.shape[0], stride), dtype)
+        data[:, :count] = rows
+        data[:, count:] = rows[:, :1] if count else 0
+        flags = cl.mem_flags
+        source = cl.Buffer(self.device.context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=data)
+        result = np.empty((outputs, stride), dtype)
+        target = cl.Buffer(self.device.context, flags.WRITE_ONLY, result.nbytes)
+        kernel = cl.Kernel(self._program, f"numerics_{name}")
+        kernel.set_args(source, target, np.int32(stride), *(np.int32(c) for c in constants))
+        cl.enqueue_nd_range_kernel(self.device.queue, kernel, (stride // self.lanes,), (LOCAL_SIZE,))
+        cl.enqueue_copy(self.device.queue, result, target)
+        return result[:, :count].T.astype(np.float64)
+
+
+def _finite(what: str, values: ArrayLike) -> Array:
+    array = np.asarray(values, dtype=np.float64)
+    if not np.isfinite(array).all():
+        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(f"{what}{list(index)} is {array[index]}; expected a finite number")
+    return array
+
+
+def _rows(what: str, values: ArrayLike, width: int) -> Array:
+    array = _finite(what, values)
+    if array.ndim == 1:
+        array = array[None, :]
+    if array.ndim != 2 or array.shape[1] != width:
+        raise ValueError(f"{what} has shape {np.shape(values)}; expected (N, {width})")
+    return array
+
+
+def _together(*arrays: Array) -> tuple[Array, ...]:
+    """Repeat single rows so that all arrays have the same N."""
+    counts = {a.shape[0] for a in arrays} - {1}
+    if len(counts) > 1:
+        raise ValueError(f"arrays of different lengths: {', '.join(str(a.shape[0]) for a in arrays)}")
+    n = counts.pop() if counts else 1
+    return tuple(np.broadcast_to(a, (n, a.shape[1])) for a in arrays)

@@ -1,0 +1,165 @@
+"""A lattice that a person gives by matrices and half-spaces, checked."""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from thurston_cl.lattice.domain import Lattice, pairing_defects
+from thurston_cl.lattice.isometry import (
+    Array,
+    LatticeError,
+    curvature,
+    inverse,
+    keeps_sheet,
+    residual,
+    snap,
+    tidy,
+    unit_wall,
+)
+from thurston_cl.lattice.polyhedron import Polyhedron
+
+# The origin must be at least this far inside every wall.
+INSIDE = 1e-9
+
+
+def from_matrices(
+    geometry: str, generators: ArrayLike, half_spaces: ArrayLike, tolerance: float = 1e-9, name: str = "given"
+) -> Lattice:
+    """Lattice with the domain {p : half_spaces[f] . p <= 0 for all f}; generators[f] leads back over wall f.
+
+    `generators` is (F,4,4), isometries of e3, s3 or h3 acting on columns [x,y,z,w]; `half_spaces` is (F,4),
+    covectors of any positive scale. The origin must be inside. The inverse of every generator must be there
+    too, and a generator must carry the plane of its half-space to that of its inverse, with the sides
+    exchanged. Numbers may be off by `tolerance`, relative to the largest; generators and planes are then
+    corrected to rounding. A gluing whose angles around an edge do not add up to 2 pi/k is allowed (a cone
+    manifold, paper 4.3): see `edge_cycles`.
+
+    Raises LatticeError: `what` is "generators" or "domain", `index` the entry to blame, from 0, if there is
+    one. Its text counts from 1.
+    """
+    curvature(geometry)
+    maps = _numbers(generators, (4, 4), "generators", "generators must be a list of 4x4 matrices")
+    walls = _numbers(half_spaces, (4,), "domain", "the domain must be a list of half-spaces [a, b, c, d]")
+    if len(maps) != len(walls):
+        raise LatticeError(
+            f"there are {len(maps)} generators but {len(walls)} half-spaces; "
+            "give one half-space for each generator",
+            "domain",
+        )
+    for f, m in enumerate(maps):
+        _check_isometry(geometry, m, f, tolerance)
+    for f, n in enumerate(walls):
+        walls[f] = _unit_half_space(geometry, n, f)
+
+    # Repair what the tolerance let pass.
+    maps = np.array([tidy(geometry, m, tolerance) for m in maps])
+    walls = np.array([snap(unit_wall(geometry, snap(n, tolerance))) for n in walls])
+    partner = [_partner(geometry, walls, maps, f, tolerance) for f in range(len(walls))]
+    for f, g in enumerate(partner):
+        if partner[g] != f:
+            raise _blame("generators", f, f"is the same as number {partner[g] + 1}; leave one of them out")
+        if f < g:
+            maps[g] = snap(inverse(geometry, maps[f]))
+            walls[g] = snap(unit_wall(geometry, -walls[f] @ maps[g]))
+
+    bounding = Polyhedron(geometry, walls).bounding
+    for f in range(len(walls)):
+        if f not in bounding:
+            raise _blame(
+                "domain",
+                f,
+                "does not bound the domain, for the others already imply it; "
+                "leave it out with its generator, or correct its numbers",
+            )
+    return Lattice(name, geometry, walls, maps, "given by generators and half-spaces")
+
+
+def _blame(what: Literal["generators", "domain"], index: int, text: str) -> LatticeError:
+    noun = "generator" if what == "generators" else "half-space"
+    return LatticeError(f"{noun} {index + 1} {text}", what, index)
+
+
+def _numbers(
+    values: ArrayLike, shape: tuple[int, ...], what: Literal["generators", "domain"], expected: str
+) -> Array:
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise LatticeError(expected, what) from None
+    if array.ndim != len(shape) + 1 or array.shape[1:] != shape or len(array) == 0:
+        raise LatticeError(expected, what)
+    for f, entry in enumerate(array):
+        if not np.all(np.isfinite(entry)):
+            raise _blame(what, f, "has a number that is not finite; correct it")
+    return array
+
+
+def _check_isometry(geometry: str, m: Array, f: int, tolerance: float) -> None:
+    off = residual(geometry, m)
+    if off > tolerance:
+        rule = {
+            0: "its last row must be [0, 0, 0, 1] and its upper left 3x3 block orthogonal",
+            1: "it must be orthogonal",
+            -1: "M^T J M must be J = diag(1, 1, 1, -1)",
+        }[curvature(geometry)]
+        raise _blame(
+            "generators",
+            f,
+            f"is not an isometry of {geometry} (off by {off:.2g}, allowed {tolerance:.2g}): {rule}; "
+            "check its signs and give all digits of irrational entries",
+        )
+    if not keeps_sheet(geometry, m):
+        raise _blame(
+            "generators",
+            f,
+            "exchanges the sheets of the hyperboloid: its last entry must be positive; negate the matrix",
+        )
+
+
+def _unit_half_space(geometry: str, n: Array, f: int) -> Array:
+    try:
+        wall = unit_wall(geometry, n)
+    except ValueError as error:
+        cure = "a^2 + b^2 + c^2 must exceed d^2" if geometry == "h3" else "a, b, c must not all be 0"
+        raise _blame("domain", f, f"has no boundary plane: {error}; {cure}") from None
+    if wall[3] >= -INSIDE:
+        raise _blame(
+            "domain",
+            f,
+            "does not have the origin inside: [a, b, c, d] means a x + b y + c z + d w <= 0, so d must be "
+            "negative; change all four signs if the other side is meant",
+        )
+    return wall
+
+
+def _partner(geometry: str, walls: Array, maps: Array, f: int, tolerance: float) -> int:
+    """The wall that maps[f] carries wall f to and whose map is its inverse, or LatticeError."""
+    # Entries off by the tolerance spoil products by this much.
+    size = max(1.0, float(np.max(np.abs(maps[f]))), float(np.max(np.abs(walls[f]))))
+    allowed = 10.0 * tolerance * size * size
+    inverse_defect, wall_defect = (defect[f] for defect in pairing_defects(geometry, walls, maps))
+    inverses = np.nonzero(inverse_defect < allowed)[0]
+    if len(inverses) == 0:
+        raise _blame(
+            "generators",
+            f,
+            "has no inverse among the generators; add it, with the half-space whose points it leads back",
+        )
+    best = int(inverses[np.argmin(wall_defect[inverses])])
+    if wall_defect[best] < allowed:
+        return best
+    # Perhaps the generator leads out of the domain through its half-space instead of back.
+    if pairing_defects(geometry, walls, inverse(geometry, maps))[1][f, best] < allowed:
+        raise _blame(
+            "generators",
+            f,
+            "moves the wrong way: it must lead back the points outside its half-space; "
+            "exchange it with its inverse",
+        )
+    raise _blame(
+        "domain",
+        f,
+        f"does not fit its generator, which should carry its plane to that of half-space {best + 1} "
+        f"and misses by {wall_defect[best]:.2g}; correct one of the half-spaces or the generator",
+    )

@@ -1,0 +1,123 @@
+"""Group elements near the identity, and the automaton that follows a ray from cell to cell."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree  # type: ignore[import-untyped]
+
+from thurston_cl.lattice.domain import Lattice
+from thurston_cl.lattice.isometry import ORIGIN, Array, orbit_radius
+
+# Orbit points whose distances from the origin differ by less are sorted as equally far; acosh and products
+# round less.
+TIE = 1e-7
+
+
+def neighbours(lattice: Lattice) -> Array:
+    """The identity, then per wall the element that carries the domain to its neighbour there: (F+1,4,4)."""
+    return np.concatenate([np.eye(4)[None], lattice.inverses])
+
+
+def elements(lattice: Lattice, count: int | None = None, radius: float | None = None) -> Array:
+    """Group elements gamma (M,4,4) in order of the distance from the origin o to gamma o, the identity first.
+
+    `count` keeps the first so many, `radius` those with distance at most `radius`. A finite group may leave
+    both out and give all its elements; a smaller group than `count` gives what it has. Elements at the same
+    distance are ordered by the coordinates of gamma o, so the order is the same in every run.
+
+    In a Dirichlet domain every element is reached over ever nearer ones: if gamma o is outside wall f,
+    maps[f] leads it nearer. In another domain we search farther out, by the longest step, and may in theory
+    miss some. Raises ValueError without a bound in e3 and h3.
+    """
+    if count is None and radius is None and lattice.geometry != "s3":
+        raise ValueError(f"the group of '{lattice.name}' may be infinite: give count or radius")
+    if count is not None and count < 1:
+        raise ValueError(f"count must be at least 1, not {count}")
+    bound = np.inf if radius is None else float(radius)
+    steps = lattice.inverses
+    step_points = steps @ ORIGIN
+    detour = 0.0 if lattice.is_dirichlet else float(np.max(orbit_radius(lattice.geometry, step_points)))
+
+    found = np.eye(4)[None]
+    fresh = found
+    # Neighbours of what was found that lie beyond the present horizon: parent, wall and point of each.
+    later: list[tuple[NDArray[np.intp], NDArray[np.intp], Array]] = []
+    horizon = 0.0 if np.isinf(bound) else bound + detour + TIE
+    while True:
+        while len(fresh):
+            first = len(found) - len(fresh)
+            points = np.einsum("nij,fj->nfi", fresh, step_points).reshape(-1, 4)
+            parents, walls = np.divmod(np.arange(len(points)), len(steps))
+            near = orbit_radius(lattice.geometry, points) <= horizon
+            later.append((parents[~near] + first, walls[~near], points[~near]))
+            found, fresh = _accept(lattice, found, parents[near] + first, walls[near], points[near])
+        enough = np.count_nonzero(_radii(lattice, found) <= horizon - detour)
+        if horizon - detour > bound or (count is not None and enough >= count):
+            break
+        parents, walls, points = (np.concatenate(part) for part in zip(*later, strict=True))
+        if len(parents) == 0:
+            break
+        # Move the horizon so far that about as many come in as there are.
+        radii = orbit_radius(lattice.geometry, points)
+        middle = min(len(radii) - 1, len(found))
+        horizon = float(np.partition(radii, middle)[middle]) + TIE
+        near = radii <= horizon
+        later = [(parents[~near], walls[~near], points[~near])]
+        found, fresh = _accept(lattice, found, parents[near], walls[near], points[near])
+
+    found = found[_radii(lattice, found) <= bound + TIE]
+    return found[_order(lattice, found)][:count]
+
+
+def cell_table(lattice: Lattice, size: int) -> tuple[Array, NDArray[np.int32]]:
+    """The automaton of the `size` cells nearest to home: elements (C,4,4) and the next cell (C,F).
+
+    Cell k is g_k D with g_k = elements[k], and cell 0 is home. A ray in cell k that leaves the domain through
+    wall f and is led back by maps[f] goes on in the cell of g_k inverse(maps[f]), which is next[k,f], or C
+    where that cell is not in the table. A finite group with fewer elements gives a smaller table.
+    """
+    cells = elements(lattice, count=size)
+    points = np.einsum("nij,fj->nfi", cells, lattice.inverses @ ORIGIN)
+    _, following = cKDTree(cells @ ORIGIN).query(points.reshape(-1, 4), distance_upper_bound=_apart(lattice))
+    return cells, following.reshape(len(cells), len(lattice.walls)).astype(np.int32)
+
+
+def _apart(lattice: Lattice) -> float:
+    """A distance in R^4 below which two points of the orbit of the origin are the same.
+
+    A ball about the origin as large as the nearest wall allows meets none of its images, so orbit points are
+    at least twice that apart: 2 |wall . o| in e3, and as a chord in R^4 in s3 and h3.
+    """
+    return 0.5 * float(np.min(np.abs(lattice.walls[:, 3])))
+
+
+def _radii(lattice: Lattice, found: Array) -> Array:
+    return orbit_radius(lattice.geometry, found @ ORIGIN)
+
+
+def _accept(
+    lattice: Lattice, found: Array, parents: NDArray[np.intp], walls: NDArray[np.intp], points: Array
+) -> tuple[Array, Array]:
+    """Add the elements found[parents] inverse(maps[walls]) that are new; they are also returned alone."""
+    if len(points):
+        apart = _apart(lattice)
+        known, _ = cKDTree(found @ ORIGIN).query(points, distance_upper_bound=apart)
+        parents, walls, points = (part[np.isinf(known)] for part in (parents, walls, points))
+    if len(points):
+        # Keep the first of every group of equal points.
+        pairs = cKDTree(points).query_pairs(apart, output_type="ndarray")
+        repeated = np.zeros(len(points), dtype=bool)
+        repeated[pairs.max(axis=1)] = True
+        parents, walls = parents[~repeated], walls[~repeated]
+    fresh = found[parents] @ lattice.inverses[walls]
+    return np.concatenate([found, fresh]), fresh
+
+
+def _order(lattice: Lattice, found: Array) -> NDArray[np.intp]:
+    """By distance; ties by |x|, |y|, |z|, larger first, then plus before minus (+x, -x, +y, ...)."""
+    radii = _radii(lattice, found)
+    by_radius = np.argsort(radii, kind="stable")
+    level = np.zeros(len(found), dtype=np.intp)
+    level[by_radius[1:]] = np.cumsum(np.diff(radii[by_radius]) > TIE)
+    # Coordinates that are equal but for rounding must compare as equal.
+    x, y, z, w = (np.round(found @ ORIGIN, 6) + 0.0).T
+    return np.lexsort((-w, -z, -y, -x, -abs(z), -abs(y), -abs(x), level))

@@ -1,0 +1,286 @@
+"""Render a scene: tile by tile, sample by sample, on one OpenCL device."""
+
+import datetime
+import json
+import platform
+import time
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thurston_cl import device as devices
+from thurston_cl.device import Device
+from thurston_cl.image import Image
+from thurston_cl.program import LOCAL_SIZE, build_widest
+from thurston_cl.scene import schema
+from thurston_cl.scene.plan import Plan, make_plan
+
+CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
+
+# Pixels on a side of a tile: small enough on a CPU to show progress and stop at once, large enough on a GPU to fill it.
+TILE_SIDE = {"cpu": 256}
+TILE_SIDE_ELSEWHERE = 1024
+# Tiles are padded to a multiple of this, so that each holds a whole number of work-groups at every lane width (64 x 16).
+TILE_STEP = 32
+
+# Pixels that one work-item of trace_refill owns at most; measured flat from 512 to 4096 on PoCL.
+REFILL_CHUNK = 1024
+# Work-items of trace_refill per compute unit, at least, so that the last one does not keep the others waiting.
+REFILL_ITEMS = 8
+# Below this share of lanes doing work in trace_packet, trace_refill is faster. `make bench` measures both.
+REFILL_BELOW_UTILISATION = 0.6
+
+# What the kernels count, per pixel, over all samples: the channels 3 to 7 of render.cl.
+COUNTS = ("steps", "shadow_steps", "hits", "nan", "out_of_steps")
+_CHANNEL_PLACES = {"depth": slice(8, 9), "normal": slice(9, 12), "steps": slice(12, 13), "object": slice(13, 14), "cell": slice(14, 15)}
+_TILE_CHANNELS = 15
+_RECORD_COMPONENTS = 12
+
+
+def render(
+    scene: schema.Scene,
+    *,
+    device: "str | Device | None" = None,
+    precision: str | None = None,
+    lanes: int | None = None,
+    finish: str | None = None,
+    size: tuple[int, int] | None = None,
+    samples: int | None = None,
+    crop: tuple[int, int, int, int] | None = None,
+    channels: Collection[str] = CHANNELS,
+    progress: Callable[[int, int], None] | None = None,
+) -> Image:
+    """Render a scene to an image with the given channels; the arguments replace what the scene says.
+
+    crop: (left, top, right, bottom) in pixels of the whole picture; the image holds that part. finish: "packet", "refill" or
+    "auto". progress: called with (done, total) after every tile and sample; what it raises ends the rendering.
+    Channels: beauty (H,W,3) linear Rec.709; depth (H,W), arc length, inf where nothing is hit; normal (H,W,3) in the frame at
+    the hit point; steps (H,W); object (H,W), 0 for nothing, else the number of the object from 1; cell (H,W), 0 for nothing,
+    else the number of the cell from 1, the camera's own, nearest first.
+    Raises SceneError, NoDeviceError, ValueError for arguments that make no sense.
+    """
+    started = time.perf_counter()
+    settings = scene.render
+    chosen = devices.choose(device) if device is None or isinstance(device, str) else device
+    precision = precision or ("single" if settings.precision == "auto" else settings.precision)
+    if precision == "double" and not chosen.info.fp64:
+        raise ValueError(f"{chosen.info.name} has no double precision; choose single precision or another device")
+    whole = size or settings.size
+    area = _checked_crop(crop, whole)
+    plan = make_plan(scene, device=chosen, size=whole, channels=channels)
+    renderer = TileRenderer(plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish or settings.finish)
+    image_channels, statistics = _render_tiles(renderer, area, samples or settings.samples, channels, progress)
+    statistics |= {
+        "seconds": time.perf_counter() - started,
+        "device": chosen.info.name,
+        "precision": precision,
+        "lanes": renderer.lanes,
+        "finish": renderer.finish,
+        "size": list(whole),
+        "samples": samples or settings.samples,
+    }
+    return Image(image_channels, _metadata(scene, chosen, statistics, area), statistics)
+
+
+def _checked_crop(crop: tuple[int, int, int, int] | None, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    if crop is None:
+        return (0, 0, *size)
+    left, top, right, bottom = crop
+    if not (0 <= left < right <= size[0] and 0 <= top < bottom <= size[1]):
+        raise ValueError(f"crop {crop} is not inside the picture, which is {size[0]} x {size[1]} pixels")
+    return crop
+
+
+def _metadata(scene: schema.Scene, device: Device, statistics: dict[str, Any], area: tuple[int, int, int, int]) -> dict[str, str]:
+    """Everything that it takes to make the picture again."""
+    packages = ("thurston_cl", "pyopencl", "numpy", "OpenImageIO")
+    settings = {key: statistics[key] for key in ("precision", "lanes", "finish", "size", "samples")}
+    info = device.info
+    return {
+        "scene": scene.effective_text(),
+        "settings": json.dumps({**settings, "crop": list(area)}),
+        "versions": json.dumps({name: version(name) for name in packages} | {"python": platform.python_version()}),
+        "device": json.dumps({"name": info.name, "platform": info.platform, "version": info.platform_version, "driver": info.driver}),
+        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+    }
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A rectangle of the picture, in pixels; `padded` is what the kernels work on."""
+
+    left: int
+    top: int
+    width: int
+    height: int
+
+    @property
+    def padded(self) -> tuple[int, int]:
+        return -(-self.width // TILE_STEP) * TILE_STEP, -(-self.height // TILE_STEP) * TILE_STEP
+
+    @property
+    def pixels(self) -> int:
+        return self.padded[0] * self.padded[1]
+
+
+def tiles(area: tuple[int, int, int, int], side: int) -> Iterator[Tile]:
+    """Cover the area (left, top, right, bottom), row by row."""
+    left, top, right, bottom = area
+    for y in range(top, bottom, side):
+        for x in range(left, right, side):
+            yield Tile(x, y, min(side, right - x), min(side, bottom - y))
+
+
+def sample_shifts(count: int) -> NDArray[np.float64]:
+    """Where in a pixel its samples lie, (count, 2) in [0, 1): the first in the centre, the others evenly spread.
+
+    The sequence is Roberts' R2 (steps of the powers of 1/1.3247..., the plastic number); pixels are box-filtered.
+    """
+    plastic = 1.32471795724474602596
+    steps = np.arange(count)[:, None] * np.array([1 / plastic, 1 / plastic**2])
+    return (0.5 + steps) % 1.0
+
+
+class TileRenderer:
+    """The program of one plan, its buffers, and how to run it over one tile."""
+
+    def __init__(self, plan: Plan, device: Device, precision: str, lanes: int, finish: str) -> None:
+        import pyopencl as cl
+
+        self.plan = plan
+        self.device = device
+        self.dtype = np.dtype(np.float64 if precision == "double" else np.float32)
+        self.program, self.lanes = build_widest(device, plan.source, precision, lanes)
+        # One lane never waits for another: refilling it gains nothing.
+        self.finish = "packet" if finish == "auto" and self.lanes == 1 else finish
+        self.kernel_seconds = 0.0
+        flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
+        self._numbers = cl.Buffer(device.context, flags, hostbuf=plan.numbers.astype(self.dtype))
+        self._next_cell = cl.Buffer(device.context, flags, hostbuf=np.ascontiguousarray(plan.next_cell))
+        self._kernels = {name: cl.Kernel(self.program, name) for name in ("trace_packet", "trace_refill", "shade")}
+        self._side = TILE_SIDE.get(device.info.kind, TILE_SIDE_ELSEWHERE)
+        self._room = 0
+
+    @property
+    def side(self) -> int:
+        """Pixels on a side of a tile."""
+        return self._side
+
+    def run(self, tile: Tile, shifts: NDArray[np.float64], after_sample: Callable[[], None]) -> NDArray[np.floating]:
+        """All channels of a tile (channels, height, width), its samples summed or taken first; see render.cl."""
+        import pyopencl as cl
+
+        self._make_room(tile.pixels)
+        for sample, shift in enumerate(shifts):
+            self._trace(tile, shift)
+            self._launch("shade", tile.pixels // self.lanes, LOCAL_SIZE, self._records, self._pixels, np.int32(tile.pixels), np.int32(sample))
+            after_sample()
+        result = np.empty((_TILE_CHANNELS, tile.pixels), self.dtype)
+        cl.enqueue_copy(self.device.queue, result, self._pixels)
+        return _unblock(result, tile)
+
+    def trace(self, tile: Tile, shift: NDArray[np.float64], finish: str) -> None:
+        """March the rays of one sample of a tile, without shading them."""
+        self._make_room(tile.pixels)
+        place = (np.int32(tile.left), np.int32(tile.top), np.int32(tile.padded[0]), *(self.dtype.type(s) for s in shift))
+        if finish == "packet":
+            self._launch("trace_packet", tile.pixels // self.lanes, LOCAL_SIZE, self._records, np.int32(tile.pixels), *place)
+        else:
+            chunk = self._chunk(tile.pixels)
+            self._launch("trace_refill", tile.pixels // chunk, 1, self._records, np.int32(tile.pixels), *place, last=(np.int32(chunk),))
+
+    def _trace(self, tile: Tile, shift: NDArray[np.float64]) -> None:
+        if self.finish != "auto":
+            self.trace(tile, shift, self.finish)
+            return
+        # The first tile says how many lanes of a packet wait for the others.
+        self.trace(tile, shift, "packet")
+        self.finish = "refill" if self._utilisation(tile) < REFILL_BELOW_UTILISATION else "packet"
+
+    def _utilisation(self, tile: Tile) -> float:
+        import pyopencl as cl
+
+        steps = np.empty(tile.pixels, self.dtype)
+        cl.enqueue_copy(self.device.queue, steps, self._records, src_offset=tile.pixels * self.dtype.itemsize)
+        packets = steps.reshape(-1, self.lanes)
+        return float(steps.sum() / max(1.0, packets.max(axis=1).sum() * self.lanes))
+
+    def _chunk(self, pixels: int) -> int:
+        chunk = REFILL_CHUNK
+        while chunk > 4 * self.lanes and pixels // chunk < REFILL_ITEMS * self.device.info.compute_units:
+            chunk //= 2
+        return max(chunk, self.lanes)
+
+    def _launch(self, name: str, items: int, group: int, *arguments: Any, last: tuple[Any, ...] = ()) -> None:
+        import pyopencl as cl
+
+        steps = np.int32(self.plan.scene.render.steps)
+        kernel = self._kernels[name]
+        kernel.set_args(*arguments, steps, self._numbers, self._next_cell, *last)
+        event = cl.enqueue_nd_range_kernel(self.device.queue, kernel, (items,), (group,))
+        event.wait()
+        self.kernel_seconds += (event.profile.end - event.profile.start) * 1e-9
+
+    def _make_room(self, pixels: int) -> None:
+        import pyopencl as cl
+
+        if pixels > self._room:
+            size = pixels * self.dtype.itemsize
+            self._records = cl.Buffer(self.device.context, cl.mem_flags.READ_WRITE, size * _RECORD_COMPONENTS)
+            self._pixels = cl.Buffer(self.device.context, cl.mem_flags.READ_WRITE, size * _TILE_CHANNELS)
+            self._room = pixels
+
+
+def _unblock(values: NDArray[np.floating], tile: Tile) -> NDArray[np.floating]:
+    """Undo the 4x4 blocks in which the kernels number pixels, and cut off the padding."""
+    width, height = tile.padded
+    blocks = values.reshape(-1, height // 4, width // 4, 4, 4)
+    return blocks.transpose(0, 1, 3, 2, 4).reshape(-1, height, width)[:, : tile.height, : tile.width]
+
+
+def _render_tiles(
+    renderer: TileRenderer,
+    area: tuple[int, int, int, int],
+    samples: int,
+    channels: Collection[str],
+    progress: Callable[[int, int], None] | None,
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    unknown = set(channels) - set(CHANNELS)
+    if unknown:
+        raise ValueError(f"unknown channel {sorted(unknown)[0]!r}; expected some of: {', '.join(CHANNELS)}")
+    width, height = area[2] - area[0], area[3] - area[1]
+    result: dict[str, NDArray[Any]] = {}
+    for name in channels:
+        integer = name in ("object", "cell")
+        shape = (height, width, 3) if name in ("beauty", "normal") else (height, width)
+        result[name] = np.zeros(shape, np.uint32 if integer else np.float32)
+    counts = dict.fromkeys(COUNTS, 0)
+    shifts = sample_shifts(samples)
+    all_tiles = list(tiles(area, renderer.side))
+    done, total = 0, len(all_tiles) * samples
+
+    def after_sample() -> None:
+        nonlocal done
+        done += 1
+        if progress is not None:
+            progress(done, total)
+
+    for tile in all_tiles:
+        values = renderer.run(tile, shifts, after_sample)
+        rows = slice(tile.top - area[1], tile.top - area[1] + tile.height)
+        columns = slice(tile.left - area[0], tile.left - area[0] + tile.width)
+        for name, count in zip(COUNTS, values[3:8].sum(axis=(1, 2), dtype=np.float64), strict=True):
+            counts[name] += round(float(count))
+        for name, channel in result.items():
+            if name == "beauty":
+                channel[rows, columns] = np.moveaxis(values[0:3] / samples, 0, 2)
+            elif name == "normal":
+                channel[rows, columns] = np.moveaxis(values[_CHANNEL_PLACES[name]], 0, 2)
+            else:
+                channel[rows, columns] = values[_CHANNEL_PLACES[name]][0]
+    statistics: dict[str, Any] = {"rays": width * height * samples, **counts, "kernel_seconds": renderer.kernel_seconds}
+    return result, statistics

@@ -1,0 +1,60 @@
+"""What single values of a scene need to know of the rest of it, so that one pass finds every mistake."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Self, TypeVar
+
+from pydantic import BaseModel, ValidationError, ValidationInfo
+
+if TYPE_CHECKING:
+    from thurston_cl.lattice import Lattice
+
+Model = TypeVar("Model", bound=BaseModel)
+
+GEOMETRIES = ("e3", "s3", "h3")
+
+
+@dataclass
+class Context:
+    """Facts about a scene taken from its values before they are checked.
+
+    `geometry` is None where it is not known, and then checks that depend on it are left out."""
+
+    geometry: str | None = None
+    manifold: bool = False
+    sections: dict[str, Mapping[str, Any]] = field(
+        default_factory=dict
+    )  # "materials", "textures": as written
+    lattice: "Lattice | None" = None  # of the scene's manifold, once that is checked
+    _entries: dict[tuple[str, str], Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> Self:
+        """The context of a scene that is not checked yet."""
+        geometry = data.get("geometry")
+        sections = {name: data.get(name) for name in ("materials", "textures")}
+        return cls(
+            geometry=geometry if geometry in GEOMETRIES else None,
+            manifold=data.get("manifold") is not None,
+            sections={name: section for name, section in sections.items() if isinstance(section, dict)},
+        )
+
+    def names(self, section: str) -> list[str]:
+        """The names that a section of the scene defines."""
+        return list(self.sections.get(section, ()))
+
+    def entry(self, section: str, name: str, model: type[Model]) -> Model | None:
+        """The named entry of a section; None if it is wrong, which is reported where it stands."""
+        if (section, name) not in self._entries:
+            try:
+                entry = model.model_validate(self.sections[section][name], context=self)
+            except ValidationError:
+                entry = None
+            self._entries[section, name] = entry
+        found: Model | None = self._entries[section, name]
+        return found
+
+
+def context_of(info: ValidationInfo) -> Context:
+    """The context in a validator; an empty one for values made in Python."""
+    return info.context if isinstance(info.context, Context) else Context()

@@ -1,0 +1,119 @@
+"""Lights, and what light does on its way."""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator, Field
+
+from .base import Node, Problem, problem, shown
+from .context import Context
+from .points import Point
+from .suggest import did_you_mean
+from .values import Also, ColorValue, Count, Positive, Says, color
+
+
+class PointLight(Node):
+    """A light that shines from one point in all directions; it fades as 1/area density of the geometry."""
+
+    what = "a point light"
+    example = 'point: {at: [0, 0, 1], color: "#ffddaa", intensity: 2}'
+
+    at: Point = Field(description="Where it stands.")
+    color: ColorValue = Field(default=color("white"), description="Its color.")
+    intensity: Positive = Field(
+        default=1.0, description="Its strength; 1 gives full light at area density 1."
+    )
+    geodesics: Count = Field(
+        default=1,
+        description="Along how many geodesics it shines, shortest first. Default 2 in s3; elsewhere there is one.",
+    )
+    translates: Annotated[
+        Count | Literal["neighbours"],
+        BeforeValidator(lambda v: _translates(v)),
+        Also(({"const": "cell"},)),
+        Says("whole number ≥ 1, `cell` (= 1) or `neighbours`"),
+    ] = Field(
+        default="neighbours",
+        description="In a manifold: how many images of the light count. 1 is the one in the cell itself; "
+        "`neighbours` adds those in the cells around it. Without a manifold there is one.",
+    )
+
+    @classmethod
+    def fill(cls, data: dict[str, Any], context: Context) -> None:
+        data.setdefault("geodesics", 2 if context.geometry == "s3" else 1)
+        if not context.manifold:
+            data.setdefault("translates", 1)
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        if context.geometry in ("e3", "h3") and self.geodesics > 1:
+            message = f"in {context.geometry} only one geodesic joins two points, not {self.geodesics}"
+            yield Problem(("geodesics",), message, "leave it out")
+        if context.geometry is not None and not context.manifold and self.translates != 1:
+            yield Problem(
+                ("translates",), "translates needs a manifold", "leave it out, or add 'manifold: NAME'", True
+            )
+
+
+def _translates(value: Any) -> Any:
+    if value == "cell":
+        return 1
+    if isinstance(value, str) and value != "neighbours":
+        raise problem(
+            f"expected a whole number, 'cell' or 'neighbours', found {shown(value)}",
+            did_you_mean(value, ("cell", "neighbours")),
+        )
+    if isinstance(value, (dict, list, bool)) or (
+        isinstance(value, (int, float)) and (value < 1 or value != int(value))
+    ):
+        raise problem(f"expected a whole number from 1, 'cell' or 'neighbours', found {shown(value)}")
+    return value
+
+
+class Light(Node):
+    """A source of light, and what is worked out for it."""
+
+    what = "a light"
+    example = "- point: {at: [0, 0, 1]}"
+    one_of = ("point",)
+    hints: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("sun", "directional", "ambient", "area", "spot"), "this version has point lights only"
+    )
+
+    point: PointLight = Field(description="A light that shines from one point in all directions.")
+    shadows: Literal["hard"] | None = Field(
+        default=None, description="Left out: no shadows are worked out for this light."
+    )
+
+
+class ExponentialFog(Node):
+    """Fog that takes the same fraction of light on every unit of length."""
+
+    what = "exponential fog"
+    example = "fog: {exponential: {density: 0.15}}"
+
+    density: Positive = Field(description="Light is dimmed by exp(−density · length).")
+    color: ColorValue = Field(default=color("black"), description="What is seen where the fog is thick.")
+
+
+class Fog(Node):
+    """How light fades along a ray."""
+
+    what = "fog"
+    example = "fog: {exponential: {density: 0.15}}"
+    one_of = ("exponential",)
+    hints: ClassVar[Mapping[str, str]] = {"linear": "this version has exponential fog only"}
+
+    exponential: ExponentialFog = Field(description="The same fraction on every unit of length.")
+
+
+class Effects(Node):
+    """What is simulated besides direct light; what is not named costs nothing."""
+
+    what = "a list of effects by name"
+    example = "effects: {fog: {exponential: {density: 0.15}}}"
+    hints: ClassVar[Mapping[str, str]] = {
+        "reflections": "reflections are not rendered yet; available: fog",
+        "shadows": "shadows belong to a light: write '- point: {...}' and below it 'shadows: hard'",
+    }
+
+    fog: Fog | None = Field(default=None, description="How light fades along a ray. Left out: it does not.")

@@ -1,0 +1,96 @@
+"""Where things of a scene stand: points, isometries and the camera's frame, worked out by the kernels in double."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from thurston_cl.geometry import Geometry
+from thurston_cl.lattice import Lattice
+from thurston_cl.lattice.isometry import on_model, snap
+from thurston_cl.scene import schema
+
+Array = NDArray[np.float64]
+Z_AXIS = np.array([0.0, 0.0, 1.0])
+
+
+def block(rotation: Array) -> Array:
+    """A 3x3 matrix as the isometry (4,4) that it is about the origin."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation
+    return snap(matrix)
+
+
+def turn_to(direction: Iterable[float]) -> Array:
+    """The smallest rotation (4,4) about the origin that turns the z-axis to `direction`."""
+    goal = np.asarray(tuple(direction), dtype=np.float64)
+    goal = goal / np.linalg.norm(goal)
+    axis = np.cross(Z_AXIS, goal)
+    sine, cosine = float(np.linalg.norm(axis)), float(goal[2])
+    if sine == 0:
+        return block(np.diag([1.0, cosine, cosine]))
+    return block(Rotation.from_rotvec(axis / sine * np.arctan2(sine, cosine)).as_matrix())
+
+
+class Placement:
+    """Places things in one geometry."""
+
+    def __init__(self, geometry: Geometry) -> None:
+        self.geometry = geometry
+
+    def point(self, where: "schema.ModelPoint | tuple[float, float, float]") -> Array:
+        """The point (4,) that a scene means: flowed to from the origin, or given by its coordinates."""
+        if isinstance(where, schema.ModelPoint):
+            return on_model(self.geometry.name, np.array([where.model]))[0]
+        vector = np.asarray(where, dtype=np.float64)
+        length = float(np.linalg.norm(vector))
+        if length == 0:
+            return np.array([0.0, 0.0, 0.0, 1.0])
+        return self.geometry.flow(vector / length, length)[0][0]
+
+    def isometry(self, where: "schema.ModelPoint | tuple[float, float, float]", turns: Iterable[schema.Rotation] = ()) -> Array:
+        """The isometry (4,4) that turns about the origin and then carries the origin to a point."""
+        matrix = np.eye(4)
+        for turn in turns:
+            axis = np.asarray(turn.axis, dtype=np.float64)
+            matrix = block(Rotation.from_rotvec(axis / np.linalg.norm(axis) * turn.angle).as_matrix()) @ matrix
+        return snap(self.geometry.translation_matrix(self.point(where))[0] @ matrix)
+
+
+class CameraFrame:
+    """A camera: its point (4,) and the directions right, up and forward (rows of `frame`, (3,3)) there."""
+
+    def __init__(self, camera: schema.Camera, place: Placement) -> None:
+        self._place = place
+        self.point = place.point(camera.at)
+        forward = np.asarray(camera.look.along, dtype=np.float64)
+        if camera.look.to is not None:
+            forward = place.geometry.geodesics(place.point(camera.look.to), 1, base=self.point)[0][0, 0]
+        forward = forward / np.linalg.norm(forward)
+        right = np.cross(forward, np.asarray(camera.look.up, dtype=np.float64))
+        right = right / np.linalg.norm(right)
+        self.frame = np.stack([right, np.cross(right, forward), forward])
+        for step in camera.move:
+            self._move(step.kind, step.amount)
+
+    def _move(self, kind: str, amount: float) -> None:
+        right, up, forward = self.frame
+        along = {"right": right, "up": up, "forward": forward}
+        if kind in along:
+            geometry, point = self._place.geometry, self.point
+            self.point = geometry.flow(along[kind], amount, base=point)[0][0]
+            self.frame = self.frame @ geometry.transport(along[kind], amount, base=point)[0].T
+        else:
+            axis = {"yaw": up, "pitch": right, "roll": forward}[kind]
+            self.frame = self.frame @ Rotation.from_rotvec(axis * amount).as_matrix().T
+        self.frame = self.frame / np.linalg.norm(self.frame, axis=1, keepdims=True)
+
+    def carry(self, lattice: Lattice) -> bool:
+        """Lead the camera into the cell by a group element; False where it finds no way there."""
+        point, element, ok = lattice.teleport(self.point[None])
+        matrix = self._place.geometry.translation_matrix
+        # In the frames at both ends the element is a rotation or a reflection.
+        turn = np.linalg.solve(matrix(point)[0], element[0] @ matrix(self.point)[0])[:3, :3]
+        self.point, self.frame = point[0], self.frame @ turn.T
+        return bool(ok[0])

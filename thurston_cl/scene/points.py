@@ -1,0 +1,66 @@
+"""Points of a scene: a vector to flow along, or coordinates in the model."""
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, TypeAdapter, ValidationInfo
+
+from .base import Node, Problem, problem, shown
+from .context import Context, context_of
+from .values import Says, Vec3, Vec4
+
+# How far a written point may be off the model: what six decimals leave.
+_WRITTEN = 1e-5
+
+
+class ModelPoint(Node):
+    """A point given by its coordinates in the model of the geometry."""
+
+    what = "a point"
+    example = "{model: [0, 0, 0, 1]}"
+
+    model: Vec4 = Field(
+        description="Coordinates in the model: w = 1 in e3; x² + y² + z² + w² = 1 in s3; "
+        "x² + y² + z² − w² = −1 with w > 0 in h3."
+    )
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        x, y, z, w = self.model
+        square = x * x + y * y + z * z
+        match context.geometry:
+            case "e3":
+                off, rule = w - 1, "w = 1"
+            case "s3":
+                off, rule = square + w * w - 1, "x² + y² + z² + w² = 1"
+            case "h3":
+                # Far out on the sheet both sides are large, so written decimals count relative to them.
+                off = (square + 1 - w * w) / (w * w) if w > 0 else math.inf
+                rule = "w = √(1 + x² + y² + z²)"
+            case _:
+                return
+        if abs(off) > _WRITTEN:
+            yield Problem(("model",), f"this is not a point of the geometry, where {rule}")
+
+
+_VEC3: TypeAdapter[tuple[float, float, float]] = TypeAdapter(Vec3)
+
+
+def _point(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, dict):
+        return ModelPoint.model_validate(value, context=context_of(info))
+    if isinstance(value, (list, tuple)):
+        return _VEC3.validate_python(value)
+    if not isinstance(value, ModelPoint):
+        raise problem(f"expected a point, found {shown(value)}", "write [x, y, z] or {model: [x, y, z, w]}")
+    return value
+
+
+Point = Annotated[
+    Vec3 | ModelPoint,
+    BeforeValidator(_point),
+    Says(
+        "point: `[x, y, z]`, the end of the geodesic from the origin along this vector, of its length; "
+        "or `{model: [x, y, z, w]}`"
+    ),
+]

@@ -1,0 +1,182 @@
+"""The scene format: a pydantic model for each mapping of a scene. The descriptions are its documentation.
+
+Lengths are in units of the geometry's curvature (in e3, of the scene's own choice) and are written without a
+unit; angles carry theirs. Vectors are components in the frame at the point they belong to. Checks that need
+the rest of the scene ask the `Context`, so that one pass reports every mistake at once."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr
+
+from thurston_cl.errors import SceneError
+
+from .base import Node, problem, shown
+from .camera import Camera, Look, Perspective, Projection, Step
+from .context import GEOMETRIES, Context
+from .lights import Effects, ExponentialFog, Fog, Light, PointLight
+from .manifold import ManifoldValue, MatrixLattice
+from .parse import Location
+from .points import ModelPoint, Point
+from .settings import Output, RenderSettings, different_files
+from .shapes import Ball, Cylinder, HalfSpace, Horoball, Object, Rotation, Shape, Solid, Tile
+from .source import Problems, SceneSource
+from .suggest import nearest
+from .surfaces import Checker, Grid, Material, Pattern
+from .values import AtLeast, Color, ColorValue, Name, ParamName, ParamValue, Says, color
+
+if TYPE_CHECKING:
+    from thurston_cl.lattice import Lattice
+
+FORMAT_VERSION: Literal[1] = 1
+_LATER_GEOMETRIES = ("s2xe", "h2xe", "nil", "sl2", "sol")
+_LONG_NAMES = {
+    "euclidean": "e3",
+    "flat": "e3",
+    "spherical": "s3",
+    "sphere": "s3",
+    "hyperbolic": "h3",
+}
+
+
+def _version(value: Any) -> Any:
+    if value != FORMAT_VERSION or isinstance(value, bool):
+        raise problem(
+            f"this program reads version {FORMAT_VERSION} of the scene format; this is {shown(value)}"
+        )
+    return FORMAT_VERSION
+
+
+def _geometry(value: Any) -> Any:
+    if isinstance(value, str) and value not in GEOMETRIES:
+        available = ", ".join(GEOMETRIES)
+        if value in _LATER_GEOMETRIES:
+            raise problem(f"'{value}' is not rendered yet; available: {available}")
+        guess = nearest(value, (*GEOMETRIES, *_LATER_GEOMETRIES, *_LONG_NAMES))
+        help = f"did you mean '{_LONG_NAMES.get(guess, guess)}'?" if guess else None
+        if guess in _LATER_GEOMETRIES:
+            help = f"did you mean '{guess}'? It is not rendered yet"
+        raise problem(f"{shown(value)} is not one of: {available}", help)
+    return value
+
+
+class Scene(Node):
+    """A picture to be made. Only `geometry` and `objects` are needed."""
+
+    what = "a scene"
+    example = "geometry: h3"
+    hints: ClassVar[Mapping[str, str]] = {
+        "include": "a scene is one file; 'thurston scenes' lists scenes to start from",
+        "animation": "animations are not rendered yet",
+        "krs": "kernel-reflection sequences are not rendered yet",
+        "object": "did you mean 'objects'?",
+    }
+
+    thurston: Annotated[Literal[1], BeforeValidator(_version), Says("`1`")] = Field(
+        default=FORMAT_VERSION, description="Version of the scene format."
+    )
+    title: str = Field(default="", description="What the picture shows.")
+    geometry: Annotated[Literal["e3", "s3", "h3"], BeforeValidator(_geometry)] = Field(
+        description="The space: Euclidean, spherical or hyperbolic."
+    )
+    manifold: ManifoldValue | None = Field(
+        default=None,
+        description="What tiles the space: objects and lights repeat in each cell. Left out: nothing does.",
+    )
+    params: Annotated[dict[ParamName, ParamValue], Says("names with numbers or texts")] = Field(
+        default={}, description="Values to use as `$name` anywhere below, and to change with `-D name=value`."
+    )
+    camera: Camera = Field(default=Camera(), description="Where the picture is taken from.")
+    textures: Annotated[dict[Name, Pattern], Says("names with [patterns](#pattern)")] = Field(
+        default={}, description="Patterns to use as `$textures.name`."
+    )
+    materials: Annotated[dict[Name, Material], Says("names with [materials](#material)")] = Field(
+        default={}, description="Materials to use by their name."
+    )
+    objects: Annotated[tuple[Object, ...], AtLeast(1)] = Field(description="What there is to see.")
+    lights: tuple[Light, ...] = Field(default=(), description="Left out: one light beside the camera.")
+    effects: Effects = Field(default=Effects(), description="What is simulated besides direct light.")
+    background: ColorValue = Field(default=color("black"), description="What a ray shows that hits nothing.")
+    render: RenderSettings = Field(default=RenderSettings(), description="How the picture is worked out.")
+    outputs: Annotated[tuple[Output, ...], AfterValidator(different_files)] = Field(
+        default=(), description="The files to write. Left out: named on the command line."
+    )
+
+    _source: SceneSource = PrivateAttr(default_factory=SceneSource)
+    _lattice: "Lattice | None" = PrivateAttr(None)
+
+    @property
+    def source(self) -> SceneSource:
+        """The text of the scene and where everything in it stands."""
+        return self._source
+
+    @property
+    def lattice(self) -> "Lattice | None":
+        """The group and fundamental domain of `manifold`; None in the whole space."""
+        if self._lattice is None and self.manifold is not None:
+            from thurston_cl import lattice
+
+            if isinstance(self.manifold, str):
+                self._lattice = lattice.named(self.geometry, self.manifold)
+            else:
+                self._lattice = lattice.from_matrices(
+                    self.geometry, self.manifold.generators, self.manifold.domain
+                )
+        return self._lattice
+
+    def remember(self, source: SceneSource, lattice: "Lattice | None") -> None:
+        """Keep what is known from loading; only the loader calls this."""
+        self._source, self._lattice = source, lattice
+
+    def error_at(
+        self, location: Location, message: str, help: str | None = None, *, key: bool = False
+    ) -> SceneError:
+        """The error that shows a location such as ("objects", 0, "ball", "radius") in the text; raise it."""
+        return self.source.report([self.source.diagnostic(location, message, help, key=key)])
+
+    def problems(self) -> Problems:
+        """An empty collection, for checks that can find more than one mistake."""
+        return Problems(self.source)
+
+    def effective_text(self) -> str:
+        """The scene as YAML with -D and --set worked in: reading this text gives an equal scene."""
+        from .effective import effective_text
+
+        return effective_text(self.source)
+
+
+__all__ = [
+    "FORMAT_VERSION",
+    "GEOMETRIES",
+    "Ball",
+    "Camera",
+    "Checker",
+    "Color",
+    "Context",
+    "Cylinder",
+    "Effects",
+    "ExponentialFog",
+    "Fog",
+    "Grid",
+    "HalfSpace",
+    "Horoball",
+    "Light",
+    "Look",
+    "Material",
+    "MatrixLattice",
+    "ModelPoint",
+    "Object",
+    "Output",
+    "Pattern",
+    "Perspective",
+    "Point",
+    "PointLight",
+    "Projection",
+    "RenderSettings",
+    "Rotation",
+    "Scene",
+    "Shape",
+    "Solid",
+    "Step",
+    "Tile",
+]

@@ -1,0 +1,99 @@
+"""How a picture is worked out, and the files it goes to."""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from .base import Node, Problem, raised
+from .context import Context
+from .values import AtLeast, Count, OutputFile, PixelSize, Positive, Says
+
+
+class RenderSettings(Node):
+    """How the picture is worked out."""
+
+    what = "a mapping of render settings"
+    example = "render: {size: [960, 540], samples: 4}"
+    hints: ClassVar[Mapping[str, str]] = {
+        "accuracy": "accuracy targets are not available yet; set 'threshold' and 'precision' by hand",
+    }
+
+    size: PixelSize = Field(default=(960, 540), description="Width and height of the picture in pixels.")
+    samples: Annotated[Count, Field(le=4096), Says("whole number from 1 to 4096")] = Field(
+        default=4, description="Rays for each pixel, spread over it evenly; more give smoother edges."
+    )
+    precision: Literal["auto", "single", "double"] = Field(
+        default="auto", description="Arithmetic of the kernels. `auto` is single."
+    )
+    steps: Annotated[Count, Field(le=100_000), Says("whole number from 1 to 100000")] = Field(
+        default=300, description="The most steps a ray may take; then it shows the background."
+    )
+    threshold: Positive = Field(
+        default=1e-4, description="A ray has hit a surface when it is closer than this."
+    )
+    far: Positive | None = Field(
+        default=None,
+        description="How far a ray goes before it shows the background. Left out: chosen for the geometry.",
+    )
+    distance: Literal["auto", "domain", "creeping", "neighbours", "both"] = Field(
+        default="auto",
+        description="How the distance to the objects is found near the walls of a manifold's cell (paper, 4.2): "
+        "`domain` looks at this cell only, `creeping` stops at walls, `neighbours` looks into the cells "
+        "around, `both` does both.",
+    )
+    finish: Literal["auto", "packet", "refill"] = Field(
+        default="auto",
+        description="What happens to the rays of a packet that end early: `packet` waits for the rest, "
+        "`refill` starts new ones in their place. The picture is the same.",
+    )
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        if self.distance != "auto" and context.geometry is not None and not context.manifold:
+            yield Problem(("distance",), f"distance: {self.distance} needs a manifold", "leave it out", True)
+        if self.far is not None and self.far <= self.threshold:
+            yield Problem(("far",), f"far must be greater than threshold, which is {self.threshold:g}")
+
+
+Channel = Literal["beauty", "depth", "normal", "object", "cell", "steps"]
+
+
+class Output(Node):
+    """A file to write the picture to."""
+
+    what = "an output"
+    example = "- file: picture.png"
+
+    file: OutputFile = Field(
+        description="Name of the file, below the current folder: `.png` is made for the eye (sRGB), "
+        "`.exr` keeps the linear numbers."
+    )
+    channels: Annotated[tuple[Channel, ...], AtLeast(1)] = Field(
+        default=("beauty",),
+        description="What an `.exr` holds: the picture, length of the ray, normal, number of the object, "
+        "number of the cell, steps of the ray.",
+    )
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        if "channels" in self.model_fields_set and self.file.lower().endswith(".png"):
+            yield Problem(
+                ("channels",), "a .png holds the picture only", "leave channels out, or write an .exr", True
+            )
+        for index, channel in enumerate(self.channels):
+            if channel in self.channels[:index]:
+                yield Problem(("channels", index), f"'{channel}' is listed twice")
+
+
+def different_files(outputs: tuple[Output, ...]) -> tuple[Output, ...]:
+    first: dict[str, int] = {}
+    problems = [
+        Problem(
+            (index, "file"), f"'{output.file}' is the file of output {first[output.file.lower()] + 1} already"
+        )
+        for index, output in enumerate(outputs)
+        # Names that differ in case only are one file on some systems.
+        if first.setdefault(output.file.lower(), index) != index
+    ]
+    if problems:
+        raise raised("outputs", problems)
+    return outputs

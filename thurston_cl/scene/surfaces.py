@@ -1,0 +1,167 @@
+"""Surfaces: patterns, and materials by Phong's model."""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BeforeValidator, Field, ValidationInfo
+
+from .base import Node, Problem, problem, shown
+from .context import Context, context_of
+from .suggest import did_you_mean, listing
+from .values import (
+    NAME_PATTERN,
+    PARAM_PATTERN,
+    Also,
+    ColorValue,
+    Positive,
+    Says,
+    SquareCount,
+    Weight,
+    color,
+    to_color,
+)
+
+
+class Checker(Node):
+    """A checkerboard."""
+
+    what = "a checker"
+    example = "checker: {count: 8, colors: [white, black]}"
+
+    count: SquareCount = Field(
+        default=(8, 8), description="How many squares; two numbers count them in the two directions."
+    )
+    colors: Annotated[
+        tuple[ColorValue, ColorValue], BeforeValidator(lambda v: _two_colors(v)), Says("2 colors")
+    ] = Field(default=(color("white"), color("black")), description="The colors of the two kinds of squares.")
+
+
+class Grid(Node):
+    """Lines between squares."""
+
+    what = "a grid"
+    example = 'grid: {count: 8, width: 0.1, colors: [white, "#335577"]}'
+
+    count: SquareCount = Field(
+        default=(8, 8), description="How many squares; two numbers count them in the two directions."
+    )
+    width: Annotated[Positive, Field(lt=1), Says("number between 0 and 1")] = Field(
+        default=0.1, description="Width of a line, as a fraction of a square."
+    )
+    colors: Annotated[
+        tuple[ColorValue, ColorValue], BeforeValidator(lambda v: _two_colors(v)), Says("2 colors")
+    ] = Field(
+        default=(color("white"), color("#335577")),
+        description="The color of the lines and that of the squares.",
+    )
+
+
+def _two_colors(value: Any) -> Any:
+    if not isinstance(value, (list, tuple)) or len(value) != 2:
+        found = f"{len(value)}" if isinstance(value, (list, tuple)) else shown(value)
+        raise problem(f"expected a list of two colors, found {found}", 'for example [white, "#335577"]')
+    return value
+
+
+class Pattern(Node):
+    """A color that changes over the surface."""
+
+    what = "a pattern"
+    example = "checker: {count: 8, colors: [white, black]}"
+    one_of = ("checker", "grid")
+
+    checker: Checker | None = Field(default=None, description="A checkerboard of two colors.")
+    grid: Grid | None = Field(default=None, description="Lines in one color on ground of another.")
+
+
+def _paint(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, dict):
+        return Pattern.model_validate(value, context=context_of(info))
+    if isinstance(value, str) and value.startswith("$textures."):
+        context, name = context_of(info), value.removeprefix("$textures.")
+        if name not in context.names("textures"):
+            raise problem(f"there is no texture '{name}'", _known_names(name, context, "textures"))
+        return context.entry("textures", name, Pattern) or color("black")
+    return value if isinstance(value, Pattern) else to_color(value)
+
+
+def _known_names(name: str, context: Context, section: str) -> str:
+    known = context.names(section)
+    if not known:
+        return f"the scene has no {section}; add '{section}: {{{name}: ...}}'"
+    return did_you_mean(name, known) or f"{section} has: {listing(known)}"
+
+
+Paint = Annotated[
+    ColorValue | Pattern,
+    BeforeValidator(_paint),
+    Also(({"type": "string", "pattern": r"^\$textures\." + NAME_PATTERN[1:]},)),
+    Says("color, pattern `{checker: ...}` or `{grid: ...}`, or the name of a texture, `$textures.NAME`"),
+]
+
+
+class Material(Node):
+    """How a surface answers light: Phong's model (paper, eq. 5.2)."""
+
+    what = "a material"
+    example = "{color: white, specular: 0.3}"
+    hints: ClassVar[Mapping[str, str]] = {
+        "checker": "a pattern is a color: write 'color: {checker: ...}'",
+        "grid": "a pattern is a color: write 'color: {grid: ...}'",
+        "reflection": "mirrors are not rendered yet",
+        "reflectivity": "mirrors are not rendered yet",
+        "mirror": "mirrors are not rendered yet",
+    }
+
+    color: Paint = Field(default=color("#d9905a"), description="The color of the surface.")
+    ambient: Weight = Field(default=0.1, description="Weight of the light that comes from everywhere.")
+    diffuse: Weight = Field(
+        default=0.7,
+        description="Weight of the light scattered evenly. Left out: what ambient and specular leave of 1.",
+    )
+    specular: Weight = Field(default=0.2, description="Weight of the highlight.")
+    shininess: Positive = Field(
+        default=20.0, description="Exponent of the highlight; larger is smaller and sharper."
+    )
+
+    @classmethod
+    def fill(cls, data: dict[str, Any], context: Context) -> None:
+        ambient, specular = data.get("ambient", 0.1), data.get("specular", 0.2)
+        numbers = all(isinstance(weight, (int, float)) for weight in (ambient, specular))
+        if "diffuse" not in data and numbers:
+            data["diffuse"] = min(1.0, max(0.0, 1.0 - ambient - specular))
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        total = self.ambient + self.diffuse + self.specular
+        if self.ambient + self.specular > 1 + 1e-6:
+            where = "specular" if "specular" in self.model_fields_set else "ambient"
+            message = f"ambient and specular add up to {self.ambient + self.specular:g}, which is more than 1"
+            yield Problem((where,), message)
+        elif abs(total - 1) > 1e-6:
+            rest = max(0.0, 1 - self.ambient - self.specular)
+            message = f"ambient, diffuse and specular add up to {total:g} instead of 1"
+            yield Problem(("diffuse",), message, f"leave diffuse out, or write {rest:g}")
+
+
+def _material(value: Any, info: ValidationInfo) -> Any:
+    if not isinstance(value, str):
+        return value
+    context = context_of(info)
+    if value in context.names("materials"):
+        return context.entry("materials", value, Material) or Material()
+    help = _known_names(value, context, "materials")
+    try:
+        color(value)
+    except ValueError:
+        pass
+    else:
+        help = f"for a plain color write 'material: {{color: {value}}}'"
+    raise problem(f"there is no material '{value}'", help)
+
+
+MaterialValue = Annotated[
+    Material,
+    BeforeValidator(_material),
+    Also(({"type": "string", "pattern": f"{NAME_PATTERN}|{PARAM_PATTERN}"},)),
+    Says("name of a material, or the [material](#material) itself"),
+]
