@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+from thurston_cl.errors import NoDeviceError
+
+if TYPE_CHECKING:
+    from thurston_cl.device import Device
 
 SCENE = "Scene"
 OUTPUT = "Output"
@@ -102,6 +107,16 @@ def scene_options(function: Command) -> Command:
     ):
         function = decorate(function)
     return function
+
+
+def check_precision(device: Device, precision: str) -> str:
+    """The arithmetic to use, "single" or "double"; NoDeviceError if the device lacks it."""
+    if precision == "double" and not device.info.fp64:
+        raise NoDeviceError(
+            f"{device.info.name} ({device.info.id}) has no double precision; "
+            "use --precision single, or a --device that 'thurston devices' lists with fp64"
+        )
+    return "double" if precision == "double" else "single"
 
 
 def device_options(function: Command) -> Command:

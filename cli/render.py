@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from thurston_cl.errors import Interrupted, NoDeviceError
+from thurston_cl.errors import Interrupted
 
 from .options import (
     DEVICE,
@@ -24,6 +24,7 @@ from .options import (
     RENDERING,
     GroupedCommand,
     Option,
+    check_precision,
     device_options,
     parse_crop,
     parse_size,
@@ -31,7 +32,6 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from thurston_cl.device import Device
     from thurston_cl.image import Image
     from thurston_cl.scene import Scene
 
@@ -171,7 +171,7 @@ def command(
     if crop is not None:
         _check_crop(crop, size or loaded.render.size)
     chosen = choose(device)
-    _check_precision(chosen, precision or loaded.render.precision)
+    check_precision(chosen, precision or loaded.render.precision)
 
     start = time.perf_counter()
     written: list[str] = []
@@ -186,6 +186,7 @@ def command(
                 size=size,
                 samples=samples,
                 crop=crop,
+                channels=_wanted(targets),
                 progress=progress,
             )
         for target in targets:
@@ -210,6 +211,13 @@ def _targets(scene: Scene, files: Sequence[str], channels: tuple[str, ...] | Non
     return [_Target(file, ("beauty",) if _is_png(file) else names) for file, names in wanted]
 
 
+def _wanted(targets: Sequence[_Target]) -> tuple[str, ...]:
+    """The channels that the files need: what is not asked for is not worked out."""
+    if any(target.channels is None for target in targets):
+        return CHANNELS
+    return tuple(name for name in CHANNELS if any(name in (target.channels or ()) for target in targets))
+
+
 def _is_png(file: str) -> bool:
     return file.lower().endswith(".png")
 
@@ -218,14 +226,6 @@ def _check_crop(crop: tuple[int, int, int, int], size: tuple[int, int]) -> None:
     if crop[2] > size[0] or crop[3] > size[1]:
         raise click.UsageError(
             f"--crop {','.join(map(str, crop))} reaches beyond the picture of {size[0]}x{size[1]} pixels"
-        )
-
-
-def _check_precision(device: Device, precision: str) -> None:
-    if precision == "double" and not device.info.fp64:
-        raise NoDeviceError(
-            f"{device.info.name} ({device.info.id}) has no double precision; "
-            "use --precision single, or a --device that 'thurston devices' lists with fp64"
         )
 
 
@@ -255,20 +255,18 @@ class _Progress(contextlib.AbstractContextManager["_Progress"]):
 def _report(image: Image, targets: Sequence[_Target], seconds: float, *, as_json: bool, quiet: bool) -> None:
     """Say on stderr what was made, and on stdout, if asked, all that is known of it."""
     statistics = image.statistics
-    if not_numbers := statistics.get("nan_pixels", 0):
-        click.echo(
-            f"thurston: warning: {not_numbers} pixels are not a number; try --precision double", err=True
-        )
-    names = ", ".join(target.file for target in targets)
+    if lost := statistics.get("nan", 0):
+        message = f"{lost} of {statistics['rays']} rays came to nothing (NaN) and show the background"
+        click.echo(f"thurston: warning: {message}; try --precision double", err=True)
     if not quiet:
-        facts = [f"{image.width}x{image.height}", f"{seconds:.1f} s"]
-        facts += [str(statistics[key]) for key in ("precision", "device") if key in statistics]
-        click.echo(f"wrote {names} ({', '.join(facts)})", err=True)
+        names = ", ".join(target.file for target in targets)
+        how = f"{statistics['precision']} precision on {statistics['device']}"
+        click.echo(f"wrote {names}: {image.width}x{image.height} in {seconds:.1f} s, {how}", err=True)
     if as_json:
         outputs = [
             {"file": target.file, "channels": target.channels or tuple(image.channels)} for target in targets
         ]
-        answer = {**statistics, "size": [image.width, image.height], "seconds": seconds, "outputs": outputs}
+        answer = {**statistics, "total_seconds": seconds, "outputs": outputs}
         click.echo(json.dumps(_plain(answer), indent=2, allow_nan=False))
 
 

@@ -40,7 +40,7 @@ FN ray start(lane_int id, scene_data scene, TILE)
   return view_ray(x, y, scene);
 }
 
-FN real end_of(ray r) { return SELECT(r.hit, REAL(1), SELECT(r.active, REAL(2), REAL(0))); }
+FN real end_of(ray r, mask out_of_steps) { return SELECT(r.hit, REAL(1), SELECT(out_of_steps, REAL(2), REAL(0))); }
 
 // One work-item marches one packet of LANES neighbouring pixels until the last ray has ended.
 __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_steps, __constant const scalar *numbers,
@@ -53,7 +53,7 @@ __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_s
   STORE(r.t, packet, records + (size_t)RECORD_T * stride);
   STORE(r.steps, packet, records + (size_t)RECORD_STEPS * stride);
   STORE(r.cell, packet, records + (size_t)RECORD_CELL * stride);
-  STORE(end_of(r), packet, records + (size_t)RECORD_END * stride);
+  STORE(end_of(r, r.active), packet, records + (size_t)RECORD_END * stride);
   real4_lanes four[2] = {r.p, r.v};
   for (int k = 0; k < 2; k++) {
     __global scalar *to = records + (size_t)(RECORD_POINT + 4 * k) * stride;
@@ -76,14 +76,17 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
   ray r = start(id.lanes, scene, TILE_ARGUMENTS);
   mask_lanes owns, ended;
   owns.lanes = r.active;
+  mask out_of_steps = NOT(r.active);
   real age = REAL(0);
   for (;;) {
     r = march_step(r, number(scene, FAR), scene);
     age += REAL(1);
-    mask running = r.active & (age < REAL(max_steps));
-    ended.lanes = owns.lanes & NOT(running);
-    if (COUNT(ended.lanes) < (LANES + 3) / 4 && ANY(owns.lanes & running)) continue;
-    real_lanes values[12] = {{r.t}, {r.steps}, {r.cell}, {end_of(r)}, {r.p.x}, {r.p.y}, {r.p.z}, {r.p.w},
+    mask old = r.active & NOT(age < REAL(max_steps));
+    out_of_steps |= old;
+    r.active &= NOT(old);
+    ended.lanes = owns.lanes & NOT(r.active);
+    if (COUNT(ended.lanes) < (LANES + 3) / 4 && ANY(r.active)) continue;
+    real_lanes values[12] = {{r.t}, {r.steps}, {r.cell}, {end_of(r, out_of_steps)}, {r.p.x}, {r.p.y}, {r.p.z}, {r.p.w},
                              {r.v.x}, {r.v.y}, {r.v.z}, {r.v.w}};
     for (int lane = 0; lane < LANES; lane++)
       if (ended.at[lane]) {
@@ -101,9 +104,10 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
       r.steps = SELECT(fresh, REAL(0), r.steps);
       r.cell = SELECT(fresh, begun.cell, r.cell);
       r.hit &= NOT(fresh);
+      out_of_steps &= NOT(fresh);
       age = SELECT(fresh, REAL(0), age);
     }
-    r.active = owns.lanes & (fresh | r.active);
+    r.active |= fresh;
   }
 }
 

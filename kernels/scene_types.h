@@ -62,6 +62,8 @@ FN real3_lanes three_numbers(scene_data scene, int k)
   return c;
 }
 
+FN real4_lanes four_numbers(scene_data scene, int k) { return with_w(three_numbers(scene, k), number(scene, k + 3)); }
+
 // How a surface answers light: Phong's three shares and exponent.
 typedef struct { real3_lanes color; real ambient, diffuse, specular, shininess; } material;
 

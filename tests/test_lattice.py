@@ -284,6 +284,9 @@ def test_elements_within_a_radius():
     many = tl.elements(lattice, count=len(near) + 1)
     np.testing.assert_array_equal(many[:-1], near)
     assert np.cosh(3.5) < many[-1, 3, 3]
+    # The nearest of a cube come in the order of its faces.
+    torus = tl.named("e3", "three-torus")
+    np.testing.assert_array_equal(tl.elements(torus, count=7), tl.neighbours(torus))
     with pytest.raises(ValueError, match="give count or radius"):
         tl.elements(lattice)
 

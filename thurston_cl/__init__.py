@@ -1,6 +1,37 @@
-"""thurston_cl: an OpenCL renderer and numerical back-end for Thurston's geometries."""
+"""thurston_cl: an OpenCL renderer and numerical back-end for Thurston's geometries.
 
-from thurston_cl.errors import NoDeviceError, SceneError, ThurstonError
-from thurston_cl.geometry import Geometry
+import thurston_cl as tc
+g = tc.Geometry("h3")                      # numerics over arrays: flow, distance, geodesics, area density,
+... image = tc.render(tc.load_scene("h3/seifert-weber"))   # image.channels["beauty"], ["depth"], ... are
+arrays
+"""
 
-__all__ = ["Geometry", "NoDeviceError", "SceneError", "ThurstonError"]
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from thurston_cl.errors import NoDeviceError, SceneError, ThurstonError
+    from thurston_cl.geometry import Geometry
+    from thurston_cl.image import Image
+    from thurston_cl.render import render
+    from thurston_cl.scene import load_scene
+
+# Loaded when first used, so that `thurston --help` and the numerics do not wait for image and scene
+# libraries.
+_HOME = {
+    "Geometry": "geometry",
+    "Image": "image",
+    "NoDeviceError": "errors",
+    "SceneError": "errors",
+    "ThurstonError": "errors",
+    "load_scene": "scene",
+    "render": "render",
+}
+
+__all__ = ["Geometry", "Image", "NoDeviceError", "SceneError", "ThurstonError", "load_scene", "render"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'thurston_cl' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"thurston_cl.{_HOME[name]}"), name)

@@ -1,9 +1,11 @@
-"""The numerical back-end over arrays: geodesic flow, distance, all geodesics, light intensity, in one geometry.
+"""The numerical back-end over arrays: geodesic flow, distance, all geodesics, light intensity, in one
+geometry.
 
-Points are 4-vectors of the geometry's model (paper sections 7.1-7.3): [x, y, z, 1] in e3; [x, y, z, w] on the unit sphere in
-s3 and on the sheet x^2 + y^2 + z^2 - w^2 = -1, w > 0 in h3. The origin is [0, 0, 0, 1]. Directions have three components: a
-unit vector in the frame at a point p that translation(p), the transvection from the origin to p, carries from the origin.
-Lengths are in units of the geometry's curvature. Arrays are float64, first axis N, whatever the precision inside.
+Points are 4-vectors of the geometry's model (paper sections 7.1-7.3): [x, y, z, 1] in e3; [x, y, z, w] on the
+unit sphere in s3 and on the sheet x^2 + y^2 + z^2 - w^2 = -1, w > 0 in h3. The origin is [0, 0, 0, 1].
+Directions have three components: a unit vector in the frame at a point p that translation(p), the
+transvection from the origin to p, carries from the origin. Lengths are in units of the geometry's curvature.
+Arrays are float64, first axis N, whatever the precision inside.
 """
 
 from collections.abc import Sequence
@@ -27,9 +29,10 @@ MODEL_TOLERANCE = 1e-6
 class Geometry:
     """One of Thurston's geometries on one OpenCL device.
 
-    name: "e3", "s3" or "h3". precision: "single" or "double", the arithmetic inside. device: what `--device` accepts, None for
-    the default choice. flow: "exact". lanes: width of the kernels, None for the device's default.
-    Raises ValueError for unknown names and wrong arrays, NoDeviceError where nothing can build a kernel.
+    name: "e3", "s3" or "h3". precision: "single" or "double", the arithmetic inside. device: what `--device`
+    accepts, None for the default choice. flow: "exact". lanes: width of the kernels, None for the device's
+    default. Raises ValueError for unknown names and wrong arrays, NoDeviceError where nothing can build a
+    kernel.
     """
 
     def __init__(
@@ -50,15 +53,21 @@ class Geometry:
         self.precision = precision
         self.device = devices.choose(device) if device is None or isinstance(device, str) else device
         if precision == "double" and not self.device.info.fp64:
-            raise ValueError(f"{self.device.info.name} has no double precision; use precision='single' or another device")
+            raise ValueError(
+                f"{self.device.info.name} has no double precision; use precision='single' or another device"
+            )
         source = Source((*geometry_parts(name), "numerics.cl"))
         width = lanes or self.device.info.lane_width(precision)
         self._program, self.lanes = build_widest(self.device, source, precision, width)
 
-    def flow(self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None = None) -> tuple[Array, Array]:
-        """Follow geodesics from `base` (N,4; default the origin) along `direction` (N,3) for the length `time` (N,).
+    def flow(
+        self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None = None
+    ) -> tuple[Array, Array]:
+        """Follow geodesics from `base` (N,4; default the origin) along `direction` (N,3) for the length
+        `time` (N,).
 
-        Returns the points (N,4) and the directions of travel there (N,3). Paper 7.1-7.3; math of the frame: `isotropic.h`.
+        Returns the points (N,4) and the directions of travel there (N,3). Paper 7.1-7.3; math of the frame:
+        `isotropic.h`.
         """
         u, t, b = self._rays(direction, time, base)
         out = self._run("flow", [b, u, *self._with_tail(t)], 7)
@@ -72,9 +81,11 @@ class Geometry:
         return self._run("velocity", [p, u], 4)
 
     def transport(self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None = None) -> Array:
-        """Parallel transport (N,3,3) along the geodesics of `flow`, from the frame at the start to the frame at the end.
+        """Parallel transport (N,3,3) along the geodesics of `flow`, from the frame at the start to the frame
+        at the end.
 
-        From the origin it is the identity here, since the frames themselves are transported along these geodesics (paper 7.4).
+        From the origin it is the identity here, since the frames themselves are transported along these
+        geodesics (paper 7.4).
         """
         u, t, b = self._rays(direction, time, base)
         return self._run("transport", [b, u, *self._with_tail(t)], 9).reshape(-1, 3, 3)
@@ -90,9 +101,9 @@ class Geometry:
     def geodesics(self, point: ArrayLike, count: int, base: ArrayLike | None = None) -> tuple[Array, Array]:
         """The `count` shortest geodesics from `base` (N,4; default the origin) to `point` (N,4).
 
-        Returns directions at the base (N,count,3) and lengths (N,count), shortest first, NaN where there are fewer: e3 and h3
-        have one; s3 has two shorter than 2 pi, and each again with every full turn (paper 7.5). At an s3 antipode every
-        direction is right; one is returned.
+        Returns directions at the base (N,count,3) and lengths (N,count), shortest first, NaN where there are
+        fewer: e3 and h3 have one; s3 has two shorter than 2 pi, and each again with every full turn (paper
+        7.5). At an s3 antipode every direction is right; one is returned.
         """
         if count < 1:
             raise ValueError(f"count is {count}; expected at least 1")
@@ -101,17 +112,23 @@ class Geometry:
         return out[:, :, :3], out[:, :, 3]
 
     def area_density(self, direction: ArrayLike, time: ArrayLike) -> Array:
-        """Area of the wave front per solid angle (N,) after `time` (N,) along `direction` (N,3); intensity is its inverse (5.7)."""
+        """Area of the wave front per solid angle (N,) after `time` (N,) along `direction` (N,3); intensity
+        is its inverse (5.7).
+        """
         u, t, _ = self._rays(direction, time, None)
         return self._run("area_density", [u, *self._with_tail(t)], 1)[:, 0]
 
     def translate(self, base: ArrayLike, point: ArrayLike) -> Array:
         """translation(base) applied to `point` (N,4): the isometry that carries the origin to `base`."""
-        return self._run("translate", list(_together(self._points("base", base), self._points("point", point))), 4)
+        return self._run(
+            "translate", list(_together(self._points("base", base), self._points("point", point))), 4
+        )
 
     def untranslate(self, base: ArrayLike, point: ArrayLike) -> Array:
         """The inverse of translation(base) applied to `point` (N,4)."""
-        return self._run("untranslate", list(_together(self._points("base", base), self._points("point", point))), 4)
+        return self._run(
+            "untranslate", list(_together(self._points("base", base), self._points("point", point))), 4
+        )
 
     def translation_matrix(self, base: ArrayLike) -> Array:
         """translation(base) as matrices (N,4,4) that act on points written as columns."""
@@ -119,7 +136,9 @@ class Geometry:
         columns = [self._run("translate", [b, np.broadcast_to(row, b.shape)], 4) for row in np.eye(4)]
         return np.stack(columns, axis=2)
 
-    def _rays(self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None) -> tuple[Array, Array, Array]:
+    def _rays(
+        self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None
+    ) -> tuple[Array, Array, Array]:
         u = self._directions(direction)
         t = _finite("time", time)
         if t.ndim > 1:
@@ -147,7 +166,9 @@ class Geometry:
         off = np.abs(np.linalg.norm(u, axis=1) - 1)
         if off.size and off.max() > MODEL_TOLERANCE:
             worst = int(off.argmax())
-            raise ValueError(f"direction {worst} has length {np.linalg.norm(u[worst]):.6g}; expected a unit vector")
+            raise ValueError(
+                f"direction {worst} has length {np.linalg.norm(u[worst]):.6g}; expected a unit vector"
+            )
         return u
 
     def _points(self, what: str, points: ArrayLike) -> Array:
@@ -163,7 +184,9 @@ class Geometry:
         }[self.name]
         if defect.max() > MODEL_TOLERANCE:
             worst = int(defect.argmax())
-            raise ValueError(f"{what} {worst} = {p[worst].tolist()} is off the model of {self.name}; expected {model}")
+            raise ValueError(
+                f"{what} {worst} = {p[worst].tolist()} is off the model of {self.name}; expected {model}"
+            )
         return p
 
     @property
@@ -171,7 +194,8 @@ class Geometry:
         return np.float64 if self.precision == "double" else np.float32
 
     def _run(self, name: str, arrays: Sequence[Array], outputs: int, *constants: int) -> Array:
-        """Run one kernel of numerics.cl over the concatenated components of `arrays`; returns (N, outputs)."""
+        """Run one kernel of numerics.cl over the concatenated components of `arrays`; returns (N, outputs).
+        """
         import pyopencl as cl
 
         count = arrays[0].shape[0]

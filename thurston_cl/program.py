@@ -1,6 +1,7 @@
 """Assemble OpenCL source from the parts under `kernels/`, build it, and keep what was built.
 
-Sources are pasted, not `#include`d, each part behind a `#line` that names its file, so that a compiler message points home.
+Sources are pasted, not `#include`d, each part behind a `#line` that names its file, so that a compiler
+message points home.
 """
 
 import functools
@@ -88,13 +89,17 @@ def build(device: "Device", source: Source, precision: str, lanes: int) -> "cl.P
 
 
 def build_widest(device: "Device", source: Source, precision: str, lanes: int) -> tuple["cl.Program", int]:
-    """Build at `lanes`, or where the compiler refuses that width at the next smaller one. Returns the program and its width."""
+    """Build at `lanes`, or where the compiler refuses that width at the next smaller one. Returns the
+    program and its width.
+    """
     widths = [width for width in reversed(LANE_WIDTHS) if width <= lanes]
     for width in widths[:-1]:
         try:
             return build(device, source, precision, width), width
         except BuildError as error:
-            warnings.warn(f"no build with {width} lanes, trying fewer: {str(error).splitlines()[0]}", stacklevel=2)
+            warnings.warn(
+                f"no build with {width} lanes, trying fewer: {str(error).splitlines()[0]}", stacklevel=2
+            )
     return build(device, source, precision, widths[-1]), widths[-1]
 
 

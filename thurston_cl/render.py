@@ -21,22 +21,31 @@ from thurston_cl.scene.plan import Plan, make_plan
 
 CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
 
-# Pixels on a side of a tile: small enough on a CPU to show progress and stop at once, large enough on a GPU to fill it.
+# Pixels on a side of a tile: small enough on a CPU to show progress and stop at once, large enough on a GPU
+# to fill it.
 TILE_SIDE = {"cpu": 256}
 TILE_SIDE_ELSEWHERE = 1024
-# Tiles are padded to a multiple of this, so that each holds a whole number of work-groups at every lane width (64 x 16).
+# Tiles are padded to a multiple of this, so that each holds a whole number of work-groups at every lane width
+# (64 x 16).
 TILE_STEP = 32
 
 # Pixels that one work-item of trace_refill owns at most; measured flat from 512 to 4096 on PoCL.
 REFILL_CHUNK = 1024
-# Work-items of trace_refill per compute unit, at least, so that the last one does not keep the others waiting.
+# Work-items of trace_refill per compute unit, at least, so that the last one does not keep the others
+# waiting.
 REFILL_ITEMS = 8
 # Below this share of lanes doing work in trace_packet, trace_refill is faster. `make bench` measures both.
 REFILL_BELOW_UTILISATION = 0.6
 
 # What the kernels count, per pixel, over all samples: the channels 3 to 7 of render.cl.
 COUNTS = ("steps", "shadow_steps", "hits", "nan", "out_of_steps")
-_CHANNEL_PLACES = {"depth": slice(8, 9), "normal": slice(9, 12), "steps": slice(12, 13), "object": slice(13, 14), "cell": slice(14, 15)}
+_CHANNEL_PLACES = {
+    "depth": slice(8, 9),
+    "normal": slice(9, 12),
+    "steps": slice(12, 13),
+    "object": slice(13, 14),
+    "cell": slice(14, 15),
+}
 _TILE_CHANNELS = 15
 _RECORD_COMPONENTS = 12
 
@@ -56,24 +65,31 @@ def render(
 ) -> Image:
     """Render a scene to an image with the given channels; the arguments replace what the scene says.
 
-    crop: (left, top, right, bottom) in pixels of the whole picture; the image holds that part. finish: "packet", "refill" or
-    "auto". progress: called with (done, total) after every tile and sample; what it raises ends the rendering.
-    Channels: beauty (H,W,3) linear Rec.709; depth (H,W), arc length, inf where nothing is hit; normal (H,W,3) in the frame at
-    the hit point; steps (H,W); object (H,W), 0 for nothing, else the number of the object from 1; cell (H,W), 0 for nothing,
-    else the number of the cell from 1, the camera's own, nearest first.
-    Raises SceneError, NoDeviceError, ValueError for arguments that make no sense.
+    crop: (left, top, right, bottom) in pixels of the whole picture; the image holds that part. finish:
+    "packet", "refill" or "auto". progress: called with (done, total) after every tile and sample; what it
+    raises ends the rendering. Channels: beauty (H,W,3) linear Rec.709; depth (H,W), arc length, inf where
+    nothing is hit; normal (H,W,3) in the frame at the hit point; steps (H,W); object (H,W), 0 for nothing,
+    else the number of the object from 1; cell (H,W), 0 for nothing, else the number of the cell from 1, the
+    camera's own, nearest first. Raises SceneError, NoDeviceError, ValueError for arguments that make no
+    sense.
     """
     started = time.perf_counter()
     settings = scene.render
     chosen = devices.choose(device) if device is None or isinstance(device, str) else device
     precision = precision or ("single" if settings.precision == "auto" else settings.precision)
     if precision == "double" and not chosen.info.fp64:
-        raise ValueError(f"{chosen.info.name} has no double precision; choose single precision or another device")
+        raise ValueError(
+            f"{chosen.info.name} has no double precision; choose single precision or another device"
+        )
     whole = size or settings.size
     area = _checked_crop(crop, whole)
     plan = make_plan(scene, device=chosen, size=whole, channels=channels)
-    renderer = TileRenderer(plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish or settings.finish)
-    image_channels, statistics = _render_tiles(renderer, area, samples or settings.samples, channels, progress)
+    renderer = TileRenderer(
+        plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish or settings.finish
+    )
+    image_channels, statistics = _render_tiles(
+        renderer, area, samples or settings.samples, channels, progress
+    )
     statistics |= {
         "seconds": time.perf_counter() - started,
         "device": chosen.info.name,
@@ -95,7 +111,9 @@ def _checked_crop(crop: tuple[int, int, int, int] | None, size: tuple[int, int])
     return crop
 
 
-def _metadata(scene: schema.Scene, device: Device, statistics: dict[str, Any], area: tuple[int, int, int, int]) -> dict[str, str]:
+def _metadata(
+    scene: schema.Scene, device: Device, statistics: dict[str, Any], area: tuple[int, int, int, int]
+) -> dict[str, str]:
     """Everything that it takes to make the picture again."""
     packages = ("thurston_cl", "pyopencl", "numpy", "OpenImageIO")
     settings = {key: statistics[key] for key in ("precision", "lanes", "finish", "size", "samples")}
@@ -103,8 +121,17 @@ def _metadata(scene: schema.Scene, device: Device, statistics: dict[str, Any], a
     return {
         "scene": scene.effective_text(),
         "settings": json.dumps({**settings, "crop": list(area)}),
-        "versions": json.dumps({name: version(name) for name in packages} | {"python": platform.python_version()}),
-        "device": json.dumps({"name": info.name, "platform": info.platform, "version": info.platform_version, "driver": info.driver}),
+        "versions": json.dumps(
+            {name: version(name) for name in packages} | {"python": platform.python_version()}
+        ),
+        "device": json.dumps(
+            {
+                "name": info.name,
+                "platform": info.platform,
+                "version": info.platform_version,
+                "driver": info.driver,
+            }
+        ),
         "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
     }
 
@@ -136,9 +163,11 @@ def tiles(area: tuple[int, int, int, int], side: int) -> Iterator[Tile]:
 
 
 def sample_shifts(count: int) -> NDArray[np.float64]:
-    """Where in a pixel its samples lie, (count, 2) in [0, 1): the first in the centre, the others evenly spread.
+    """Where in a pixel its samples lie, (count, 2) in [0, 1): the first in the centre, the others evenly
+    spread.
 
-    The sequence is Roberts' R2 (steps of the powers of 1/1.3247..., the plastic number); pixels are box-filtered.
+    The sequence is Roberts' R2 (steps of the powers of 1/1.3247..., the plastic number); pixels are
+    box-filtered.
     """
     plastic = 1.32471795724474602596
     steps = np.arange(count)[:, None] * np.array([1 / plastic, 1 / plastic**2])
@@ -161,7 +190,9 @@ class TileRenderer:
         flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
         self._numbers = cl.Buffer(device.context, flags, hostbuf=plan.numbers.astype(self.dtype))
         self._next_cell = cl.Buffer(device.context, flags, hostbuf=np.ascontiguousarray(plan.next_cell))
-        self._kernels = {name: cl.Kernel(self.program, name) for name in ("trace_packet", "trace_refill", "shade")}
+        self._kernels = {
+            name: cl.Kernel(self.program, name) for name in ("trace_packet", "trace_refill", "shade")
+        }
         self._side = TILE_SIDE.get(device.info.kind, TILE_SIDE_ELSEWHERE)
         self._room = 0
 
@@ -170,14 +201,26 @@ class TileRenderer:
         """Pixels on a side of a tile."""
         return self._side
 
-    def run(self, tile: Tile, shifts: NDArray[np.float64], after_sample: Callable[[], None]) -> NDArray[np.floating]:
-        """All channels of a tile (channels, height, width), its samples summed or taken first; see render.cl."""
+    def run(
+        self, tile: Tile, shifts: NDArray[np.float64], after_sample: Callable[[], None]
+    ) -> NDArray[np.floating]:
+        """All channels of a tile (channels, height, width), its samples summed or taken first; see
+        render.cl.
+        """
         import pyopencl as cl
 
         self._make_room(tile.pixels)
         for sample, shift in enumerate(shifts):
             self._trace(tile, shift)
-            self._launch("shade", tile.pixels // self.lanes, LOCAL_SIZE, self._records, self._pixels, np.int32(tile.pixels), np.int32(sample))
+            self._launch(
+                "shade",
+                tile.pixels // self.lanes,
+                LOCAL_SIZE,
+                self._records,
+                self._pixels,
+                np.int32(tile.pixels),
+                np.int32(sample),
+            )
             after_sample()
         result = np.empty((_TILE_CHANNELS, tile.pixels), self.dtype)
         cl.enqueue_copy(self.device.queue, result, self._pixels)
@@ -186,12 +229,32 @@ class TileRenderer:
     def trace(self, tile: Tile, shift: NDArray[np.float64], finish: str) -> None:
         """March the rays of one sample of a tile, without shading them."""
         self._make_room(tile.pixels)
-        place = (np.int32(tile.left), np.int32(tile.top), np.int32(tile.padded[0]), *(self.dtype.type(s) for s in shift))
+        place = (
+            np.int32(tile.left),
+            np.int32(tile.top),
+            np.int32(tile.padded[0]),
+            *(self.dtype.type(s) for s in shift),
+        )
         if finish == "packet":
-            self._launch("trace_packet", tile.pixels // self.lanes, LOCAL_SIZE, self._records, np.int32(tile.pixels), *place)
+            self._launch(
+                "trace_packet",
+                tile.pixels // self.lanes,
+                LOCAL_SIZE,
+                self._records,
+                np.int32(tile.pixels),
+                *place,
+            )
         else:
             chunk = self._chunk(tile.pixels)
-            self._launch("trace_refill", tile.pixels // chunk, 1, self._records, np.int32(tile.pixels), *place, last=(np.int32(chunk),))
+            self._launch(
+                "trace_refill",
+                tile.pixels // chunk,
+                1,
+                self._records,
+                np.int32(tile.pixels),
+                *place,
+                last=(np.int32(chunk),),
+            )
 
     def _trace(self, tile: Tile, shift: NDArray[np.float64]) -> None:
         if self.finish != "auto":
@@ -282,5 +345,9 @@ def _render_tiles(
                 channel[rows, columns] = np.moveaxis(values[_CHANNEL_PLACES[name]], 0, 2)
             else:
                 channel[rows, columns] = values[_CHANNEL_PLACES[name]][0]
-    statistics: dict[str, Any] = {"rays": width * height * samples, **counts, "kernel_seconds": renderer.kernel_seconds}
+    statistics: dict[str, Any] = {
+        "rays": width * height * samples,
+        **counts,
+        "kernel_seconds": renderer.kernel_seconds,
+    }
     return result, statistics

@@ -16,7 +16,7 @@ apt_install() {
     echo "set-up: apt-get install $*"
     # Lists that cannot be refreshed (a third party's server is down) need not stop the installation.
     "${as_root[@]}" apt-get update -qq || true
-    if ! "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "$@"; then
+    if ! "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@"; then
         echo "set-up: that failed; please run as root: apt-get install $*" >&2
         return 1
     fi

@@ -9,4 +9,3 @@ FN direction perspective(real x, real y, scene_data scene, int k)
   u = add_scaled_3(u, three_numbers(scene, k + 7), upwards);
   return scale_3(u, rsqrt(dot_3(u, u)));
 }
-FN point camera_position(scene_data scene, int k) { return with_w(three_numbers(scene, k), number(scene, k + 3)); }

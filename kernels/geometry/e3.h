@@ -36,4 +36,4 @@ FN direction towards(point p, point q, point p_tail, point q_tail)
 FN real crossing_time(real ratio) { return SELECT(ratio > REAL(0), REAL(1) / ratio, REAL(INFINITY)); }
 
 // Rounding of the flow, undone: here only the speed drifts.
-FN void reproject(point *p, vector *v) { *v = scale_4(*v, rsqrt(dot_3(first_3(*v), first_3(*v)))); }
+FN void reproject(point *p, vector *v) { *v = scale_4(*v, unit_correction(dot_3(first_3(*v), first_3(*v)))); }

@@ -9,7 +9,14 @@ FN real curved_sine(real t, real *cosine) { return sinh_cosh(t, cosine); }
 FN real arc_of_sine(real s) { return copysign(area_sinh(fabs(s)), s); }
 FN real inverse_one_plus_w(point p) { return REAL(1) / (REAL(1) + p.w); }
 FN real inner(point p, vector a, vector b) { return fma(-a.w, b.w, dot_3(first_3(a), first_3(b))); }
-FN real origin_distance(point p) { return area_sinh(sqrt(dot_3(first_3(p), first_3(p)))); }
+
+// asinh |x|, with the sheet's w in place of sqrt(1 + |x|^2).
+FN real origin_distance(point p)
+{
+  real square = dot_3(first_3(p), first_3(p));
+  return log_1p(sqrt(square) + square * inverse_one_plus_w(p));
+}
+
 FN real height(real3_lanes x) { return sqrt(REAL(1) + dot_3(x, x)); }
 
 // Length along the axis through o of the foot of a point, from its coordinate z along the axis and w.
@@ -77,7 +84,7 @@ FN void reproject(point *p, vector *v)
   p->w = height(x);
   real inverse = inverse_one_plus_w(*p);
   direction u = add_scaled_3(first_3(*v), x, -v->w * inverse);
-  u = scale_3(u, rsqrt(dot_3(u, u)));
+  u = scale_3(u, unit_correction(dot_3(u, u)));
   real along = dot_3(x, u);
   *v = with_w(add_scaled_3(u, x, along * inverse), along);
 }

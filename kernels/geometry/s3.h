@@ -56,7 +56,7 @@ FN real crossing_time(real ratio) { return arc_tangent_2(REAL(1), ratio); }
 
 FN void reproject(point *p, vector *v)
 {
-  *p = scale_4(*p, rsqrt(dot_4(*p, *p)));
+  *p = scale_4(*p, unit_correction(dot_4(*p, *p)));
   vector tangent = add_scaled_4(*v, *p, -dot_4(*p, *v));
-  *v = scale_4(tangent, rsqrt(dot_4(tangent, tangent)));
+  *v = scale_4(tangent, unit_correction(dot_4(tangent, tangent)));
 }

@@ -89,13 +89,15 @@ FN real arc_tangent_2(real y, real x)
 #endif
 }
 
-// log(1 + x): the rounding error of 1 + x is divided out again (Kahan).
+// log(1 + x): what rounding 1 + x to u left out is added back to first order.
 FN real log_1p(real x)
 {
-  real u = REAL(1) + x, grown = u - REAL(1);
-  mask same = grown == REAL(0);
-  return SELECT(same, x, log(u) * (x / SELECT(same, REAL(1), grown)));
+  real u = REAL(1) + x;
+  return log(u) + (x - (u - REAL(1))) / u;
 }
+
+// 1/sqrt(n) for n near 1: one Newton step from 1, whose error is 3/8 (n - 1)^2. For undoing rounding.
+FN real unit_correction(real n) { return fma(REAL(C(-0.5)), n, REAL(C(1.5))); }
 
 // asinh x for x >= 0, from x + x^2/(1 + sqrt(1 + x^2)) written so that no square overflows.
 FN real area_sinh(real x)

@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree  # type: ignore[import-untyped]
+from scipy.spatial import cKDTree
 
 from thurston_cl.lattice.domain import Lattice
 from thurston_cl.lattice.isometry import ORIGIN, Array, orbit_radius

@@ -44,6 +44,8 @@ def shown(value: object) -> str:
             return "a list"
         case dict():
             return "a mapping"
+        case float():
+            return f"{value:.10g}"
         case _:
             return str(value)
 
@@ -111,8 +113,10 @@ class Node(BaseModel):
             if value is None and key in keys:
                 help = "give it a value or leave it out"
                 below = list(data)[list(data).index(key) + 1 :]
-                if (inner := node_of(cls, keys[key])) and not set(below).isdisjoint(inner.keys()):
-                    help = f"is what belongs to '{key}' indented further than '{key}' itself?"
+                if inner := node_of(cls, keys[key]):
+                    help = inner._for_example() or help
+                    if not set(below).isdisjoint(inner.keys()):
+                        help = f"is what belongs to '{key}' indented further than '{key}' itself?"
                 yield Problem((key,), f"'{key}' has no value", help, key=True)
         given = [key for key in data if key in cls.one_of]
         if len(given) > 1:
@@ -131,6 +135,8 @@ class Node(BaseModel):
         keys = cls.keys()
         if key in cls.hints:
             return cls.hints[key]
+        if key.isdecimal():
+            return f"a number has a decimal point, not a comma: is it .{key}?"
         nodes = {outer: node_of(cls, name) for outer, name in keys.items()}
         inside = [outer for outer, node in nodes.items() if node is not None and key in set(node.keys())]
         guess = nearest(key, [*keys, *cls.hints])
@@ -200,27 +206,25 @@ def _translated(cls: type[Node], detail: Any) -> Problem:
             options = re.findall(r"'([^']*)'", ctx["expected"])
             guess = nearest(found, options) if isinstance(found, str) else None
             message = f"{shown(found)} is not one of: {', '.join(options)}"
+            if not isinstance(found, str):
+                message = f"expected one of {', '.join(options)}; found {shown(found)}"
             if len(options) == 1:
                 message = f"{name} can only be '{options[0]}', not {shown(found)}"
             return Problem(path, message, f"did you mean '{guess}'?" if guess else None)
         case "string_type":
-            return Problem(path, f"{name}: expected text, found {shown(found)}", "put quotes around it")
+            return Problem(path, f"expected text, found {shown(found)}", "put quotes around it")
         case "tuple_type" | "list_type":
             return Problem(
                 path,
-                f"{name}: expected a list, found {shown(found)}",
+                f"expected a list, found {shown(found)}",
                 "a list is written [a, b] or with '- '",
             )
         case "dict_type":
-            message = f"{name}: expected a mapping of names, found {shown(found)}"
+            message = f"expected a mapping of names, found {shown(found)}"
         case "string_pattern_mismatch" if path[-1] == "[key]":
-            message = f"'{found}' cannot be a name"
-            return Problem(
-                path[:-1],
-                message,
-                "a name starts with a letter and goes on with letters, digits, - or _",
-                True,
-            )
+            dash = ", -" if "-]" in ctx["pattern"] else ""
+            help = f"a name starts with a letter and goes on with letters, digits{dash} or _"
+            return Problem(path[:-1], f"'{found}' cannot be a name", help, True)
         case _:
             message = f"{name}: {detail['msg']}"
     return Problem(path, message)

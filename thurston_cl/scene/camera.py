@@ -119,7 +119,7 @@ class Camera(Node):
     )
     fov: FieldOfView = Field(
         default=math.radians(80),
-        description="Field of view from bottom to top, between 0 and 180 deg.",
+        description="Angle of view from bottom to top, between 0 and 180 deg.",
         json_schema_extra={"default": "80 deg"},
     )
     projection: Projection = Field(

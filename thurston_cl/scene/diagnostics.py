@@ -32,7 +32,9 @@ class SceneReport(SceneError):
 
     def __init__(self, name: str, text: str, diagnostics: Iterable[Diagnostic]):
         self.name = name
-        self.diagnostics = sorted(diagnostics, key=lambda d: (d.origin is not None, d.line, d.column))
+        # A pair made of one number says the same thing twice.
+        once = dict.fromkeys(diagnostics)
+        self.diagnostics = sorted(once, key=lambda d: (d.origin is not None, d.line, d.column))
         lines = split_lines(text)
         shown = [_show(name, lines, diagnostic) for diagnostic in self.diagnostics[:MAX_SHOWN]]
         count = len(self.diagnostics)
@@ -52,7 +54,7 @@ def _show(name: str, lines: list[str], diagnostic: Diagnostic) -> str:
         head = [f"{name}:{diagnostic.line}:{diagnostic.column}: error: {diagnostic.message}"]
         if diagnostic.line <= len(lines):
             line, before = _excerpt(lines[diagnostic.line - 1], diagnostic.column - 1)
-            head += [f"{diagnostic.line:5} | {line}", f"      | {before}^"]
+            head += [f"{diagnostic.line:5} | {line}".rstrip(), f"      | {before}^"]
     if diagnostic.help:
         head.append(f"      = help: {diagnostic.help}")
     return "\n".join(head)

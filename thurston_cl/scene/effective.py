@@ -9,7 +9,7 @@ from .source import SceneSource
 
 
 def effective_text(source: SceneSource) -> str:
-    """YAML that gives the same scene without any option. Keeps comments; leaves an untouched scene as it is."""
+    """YAML that gives the same scene without options. Keeps comments, and untouched scenes as they are."""
     overrides = read_overrides(source.defines, source.sets)
     if not overrides.defines and not overrides.sets:
         return source.text

@@ -1,4 +1,6 @@
-"""OpenCL text for the parts of a program that depend on the scene: objects, materials, walls. Formulas stay in `kernels/`."""
+"""OpenCL text for the parts of a program that depend on the scene: objects, materials, walls. Formulas stay
+in `kernels/`.
+"""
 
 from dataclasses import dataclass, field
 
@@ -59,7 +61,9 @@ class Solids:
                 lifted = self.place.isometry((0.0, 0.0, shape.offset))
                 return self._leaf("half_space", frame @ turn_to(shape.normal) @ lifted)
             case "horoball":
-                return self._leaf("horoball", frame @ turn_to(shape.towards), self.numbers.term(shape.distance))
+                return self._leaf(
+                    "horoball", frame @ turn_to(shape.towards), self.numbers.term(shape.distance)
+                )
             case _:
                 return self._tile(shape, frame)
 
@@ -92,11 +96,15 @@ class Solids:
 
     def _ball_set(self, centres: Array, radius: float) -> tuple[str, str]:
         self.parts.add("shape/ball_set.h")
-        arguments = f"(p, scene, {self.numbers.add(centres.ravel())}, {len(centres)}, {self.numbers.term(radius)})"
+        arguments = (
+            f"(p, scene, {self.numbers.add(centres.ravel())}, {len(centres)}, {self.numbers.term(radius)})"
+        )
         return f"ball_set_distance{arguments}", self._let(f"ball_set_surface{arguments}")
 
     def _tile(self, tile: schema.Tile, frame: Array) -> tuple[str, str]:
-        """The cell minus balls: the walls of the cell are no surfaces, so only the balls are left (paper, figure 3)."""
+        """The cell minus balls: the walls of the cell are no surfaces, so only the balls are left (paper,
+        figure 3).
+        """
         assert self.lattice is not None
         members = [self._leaf("ball", frame, self.numbers.term(tile.ball))]
         polyhedron = self.lattice.polyhedron
@@ -110,7 +118,9 @@ class Solids:
         return self._complement((distance, name))
 
 
-def write_paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[str], surface: str) -> str:
+def write_paint(
+    paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[str], surface: str
+) -> str:
     """The text of a colour or a pattern on a surface."""
     if isinstance(paint, schema.Color):
         return f"three_numbers(scene, {numbers.add(paint.linear)})"
@@ -187,23 +197,32 @@ def write_teleport(lattice: Lattice, numbers: Numbers, cells: bool) -> list[str]
             lines.append("  if (ANY(beyond)) {")
         if len(group) == 2:
             lines.append("  mask plus = along > REAL(0);")
-        matrix = [[_entry(lines, [m[i, j] for m in maps], f"m{i}{j}", numbers) for j in range(4)] for i in range(4)]
+        matrix = [
+            [_entry(lines, [m[i, j] for m in maps], f"m{i}{j}", numbers) for j in range(4)] for i in range(4)
+        ]
         for name in ("r->p", "r->v"):
             rows = [(k, _product(row, components(name))) for k, row in enumerate(matrix)]
-            changed = [(axis, text) for (k, text), axis in zip(rows, "xyzw", strict=True) if text != f"{name}.{axis}"]
+            changed = [
+                (axis, text) for (k, text), axis in zip(rows, "xyzw", strict=True) if text != f"{name}.{axis}"
+            ]
             lines.append("  {")
             lines += [f"    real {axis} = {text};" for axis, text in changed]
             lines += [f"    {name}.{axis} = SELECT(beyond, {axis}, {name}.{axis});" for axis, _ in changed]
             lines.append("  }")
         if cells:
-            crossed = [("beyond & plus", group[0]), ("beyond & NOT(plus)", group[1])] if len(group) == 2 else [("beyond", group[0])]
+            crossed = (
+                [("beyond & plus", group[0]), ("beyond & NOT(plus)", group[1])]
+                if len(group) == 2
+                else [("beyond", group[0])]
+            )
             lines += [f"  r->cell = cell_behind(r->cell, {mask}, {f}, scene);" for mask, f in crossed]
         lines.append("  }}" if dense else "}")
     return lines
 
 
 def _entry(lines: list[str], values: list[float], name: str, numbers: Numbers) -> float | str:
-    """One entry of a map: a plain 0, 1 or -1, or the name of a number in all lanes that depends on the side."""
+    """One entry of a map: a plain 0, 1 or -1, or the name of a number in all lanes that depends on the side.
+    """
     if len(set(values)) == 1 and values[0] in (0.0, 1.0, -1.0):
         return float(values[0])
     texts = [numbers.term(value) for value in values]

@@ -18,6 +18,8 @@ class PointLight(Node):
     what = "a point light"
     example = 'point: {at: [0, 0, 1], color: "#ffddaa", intensity: 2}'
 
+    hints: ClassVar[Mapping[str, str]] = {"shadows": "'shadows' stands beside 'point', not inside it"}
+
     at: Point = Field(description="Where it stands.")
     color: ColorValue = Field(default=color("white"), description="Its color.")
     intensity: Positive = Field(
@@ -25,7 +27,7 @@ class PointLight(Node):
     )
     geodesics: Count = Field(
         default=1,
-        description="Along how many geodesics it shines, shortest first. Default 2 in s3; elsewhere there is one.",
+        description="Along how many geodesics it shines, shortest first. Default 2 in s3; elsewhere 1.",
     )
     translates: Annotated[
         Count | Literal["neighbours"],

@@ -1,5 +1,6 @@
 """From a file to a checked `Scene`, or to one error that lists every mistake."""
 
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,6 +18,7 @@ from .overrides import apply_sets, names_used, read_overrides, substitute
 from .parse import MAX_BYTES, Location, parse
 from .schema import Scene
 from .source import SceneSource
+from .values import PARAM_PATTERN
 
 
 def load_scene(path: str | Path, defines: Mapping[str, str] | None = None, sets: Sequence[str] = ()) -> Scene:
@@ -99,7 +101,7 @@ def _unused_params(data: dict[str, Any], used: set[str], source: SceneSource) ->
             key=True,
         )
         for name in params
-        if name not in used
+        if name not in used and re.match(PARAM_PATTERN, f"${name}")
     ]
 
 

@@ -53,7 +53,8 @@ class MatrixLattice(Node):
             context.lattice = lattice.from_matrices(context.geometry, self.generators, self.domain)
         except lattice.LatticeError as error:
             path = (error.what,) if error.index is None else (error.what, error.index)
-            yield Problem(path, str(error))
+            what, _, cure = str(error).rpartition("; ")
+            yield Problem(path, what or cure, cure if what else None)
 
 
 def _manifold(value: Any, info: ValidationInfo) -> Any:
@@ -83,5 +84,5 @@ def _manifold(value: Any, info: ValidationInfo) -> Any:
 ManifoldValue = Annotated[
     str | MatrixLattice,
     BeforeValidator(_manifold),
-    Says("name of a manifold, or a [lattice](#matrixlattice) `{generators: ..., domain: ...}`"),
+    Says("name of a manifold, or a [lattice](#matrix-lattice) `{generators: ..., domain: ...}`"),
 ]

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 class Numbers:
     """Collects the numbers of a scene and says where each stands.
 
-    The generated text depends on which coefficients are 0 and +-1, which costs nothing to leave out, and on nothing else:
-    two scenes that differ in other values share their program.
+    The generated text depends on which coefficients are 0 and +-1, which costs nothing to leave out, and on
+    nothing else: two scenes that differ in other values share their program.
     """
 
     def __init__(self, first: Iterable[float]) -> None:
@@ -35,7 +35,9 @@ class Numbers:
             if coefficient == 0:
                 continue
             if not text:
-                text = {1.0: variable, -1.0: f"-{variable}"}.get(float(coefficient), f"{self.term(coefficient)} * {variable}")
+                text = {1.0: variable, -1.0: f"-{variable}"}.get(
+                    float(coefficient), f"{self.term(coefficient)} * {variable}"
+                )
             elif coefficient == 1:
                 text = f"{variable} + {text}"
             elif coefficient == -1:

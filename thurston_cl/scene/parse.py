@@ -80,7 +80,7 @@ class _Stop(Exception):
 
 def parse(text: str) -> Document:
     """Read one YAML document; never raises for anything in the text: what is wrong stands in `mistakes`."""
-    builder = _Builder(Document())
+    builder = _Builder(Document(places={(): Place(None, (0, 0))}))
     document = builder.document
     try:
         for event in _events(text):
@@ -95,7 +95,7 @@ def parse(text: str) -> Document:
         )
         document.complete = False
     except MarkedYAMLError as error:
-        document.mistakes.append(_syntax_mistake(error))
+        document.mistakes.append(_syntax_mistake(error, builder.open_bracket()))
         document.complete = False
     return document
 
@@ -148,6 +148,10 @@ class _Builder:
                 self._open(event)
         elif isinstance(event, CollectionEndEvent):
             self.stack.pop()
+
+    def open_bracket(self) -> tuple[int, int] | None:
+        """Where the innermost bracket opens that is not closed yet."""
+        return next((top.bracket for top in reversed(self.stack) if top.bracket is not None), None)
 
     def _start_document(self, event: DocumentStartEvent) -> None:
         self.documents += 1
@@ -215,7 +219,7 @@ class _Builder:
             )
         container: Any = {} if isinstance(event, MappingStartEvent) else []
         path = self._take_slot(event, container)
-        self.stack.append(_Open(container, path))
+        self.stack.append(_Open(container, path, _mark(event) if event.flow_style else None))
 
     def _take_slot(self, event: NodeEvent, value: Any) -> Location:
         """Put a value where the stream stands, remember its place, and say its location."""
@@ -257,6 +261,7 @@ class _Open:
 
     container: Any
     path: Location
+    bracket: tuple[int, int] | None  # where it opens, if it is written in brackets
     key: str | None = None
     key_mark: tuple[int, int] = (0, 0)
     location: Location = ()
@@ -293,7 +298,7 @@ _SYNTAX = (
 )
 
 
-def _syntax_mistake(error: MarkedYAMLError) -> Mistake:
+def _syntax_mistake(error: MarkedYAMLError, bracket: tuple[int, int] | None) -> Mistake:
     opened, found = error.context_mark, error.problem_mark or error.context_mark
     context = error.context or ""
     problem = (error.problem or context or "it cannot be read").split("\n")[0].strip()
@@ -304,8 +309,10 @@ def _syntax_mistake(error: MarkedYAMLError) -> Mistake:
         return Mistake(
             (opened.line, opened.column), "not valid YAML: the quote that opens here is not closed"
         )
-    if opened is not None and "parsing a flow" in context:
-        where = f"line {opened.line + 1}, column {opened.column + 1}"
+    if bracket is not None and "parsing a flow" in context:
+        if "stream end" in problem:
+            return Mistake(bracket, "not valid YAML: the bracket that opens here is not closed")
+        where = f"line {bracket[0] + 1}, column {bracket[1] + 1}"
         return Mistake(
             mark, f"not valid YAML: the bracket of {where} is not closed, or a ',' is missing before this"
         )

@@ -1,4 +1,6 @@
-"""Where things of a scene stand: points, isometries and the camera's frame, worked out by the kernels in double."""
+"""Where things of a scene stand: points, isometries and the camera's frame, worked out by the kernels in
+double.
+"""
 
 from collections.abc import Iterable
 
@@ -49,12 +51,16 @@ class Placement:
             return np.array([0.0, 0.0, 0.0, 1.0])
         return self.geometry.flow(vector / length, length)[0][0]
 
-    def isometry(self, where: "schema.ModelPoint | tuple[float, float, float]", turns: Iterable[schema.Rotation] = ()) -> Array:
+    def isometry(
+        self, where: "schema.ModelPoint | tuple[float, float, float]", turns: Iterable[schema.Rotation] = ()
+    ) -> Array:
         """The isometry (4,4) that turns about the origin and then carries the origin to a point."""
         matrix = np.eye(4)
         for turn in turns:
             axis = np.asarray(turn.axis, dtype=np.float64)
-            matrix = block(Rotation.from_rotvec(axis / np.linalg.norm(axis) * turn.angle).as_matrix()) @ matrix
+            matrix = (
+                block(Rotation.from_rotvec(axis / np.linalg.norm(axis) * turn.angle).as_matrix()) @ matrix
+            )
         return snap(self.geometry.translation_matrix(self.point(where))[0] @ matrix)
 
 

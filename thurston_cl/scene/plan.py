@@ -1,4 +1,6 @@
-"""What a scene calls for: the kernel files, the generated text and the numbers that one program needs, and no more."""
+"""What a scene calls for: the kernel files, the generated text and the numbers that one program needs, and
+no more.
+"""
 
 from collections.abc import Collection
 from dataclasses import dataclass, field
@@ -23,12 +25,14 @@ from thurston_cl.scene.emit import (
 from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import CameraFrame, Placement
 
-# How far a ray goes where the scene does not say. In h3 without a lattice, coordinates grow like e^t and single precision
-# has no digits left beyond this; in a cell they stay small. In s3 a ray is back where it began.
+# How far a ray goes where the scene does not say. In h3 without a lattice, coordinates grow like e^t and
+# single precision has no digits left beyond this; in a cell they stay small. In s3 a ray is back where it
+# began.
 FAR = {"e3": 100.0, "s3": 2 * np.pi, "h3": 15.0}
 FAR_IN_QUOTIENT = {"e3": 100.0, "s3": 2 * np.pi, "h3": 40.0}
 
-# Cells with a number of their own; those farther away share the last. 4096 numbers fit half of a second-level cache.
+# Cells with a number of their own; those farther away share the last. 4096 numbers fit half of a second-level
+# cache.
 CELL_TABLE = 4096
 
 # The light of a scene that names none stands beside the camera: so far to the right, up and behind it.
@@ -77,8 +81,18 @@ class Plan:
     def explain(self) -> dict[str, str]:
         """What the scene calls for and what is left out, in the order in which to say it."""
         settings = self.scene.render
-        quotient = "the whole space" if self.lattice is None else f"{self.lattice.name}, {len(self.lattice.walls)} walls"
-        shapes = sorted({part.split("/")[1].removesuffix(".h").replace("_", " ") for part in self.parts if part.startswith("shape/")})
+        quotient = (
+            "the whole space"
+            if self.lattice is None
+            else f"{self.lattice.name}, {len(self.lattice.walls)} walls"
+        )
+        shapes = sorted(
+            {
+                part.split("/")[1].removesuffix(".h").replace("_", " ")
+                for part in self.parts
+                if part.startswith("shape/")
+            }
+        )
         return {
             "geometry": self.geometry,
             "space": quotient,
@@ -89,7 +103,8 @@ class Plan:
             "left out": ", ".join(self.left_out) or "nothing",
             "kernel files": ", ".join(self.parts),
             "numbers": str(len(self.numbers)),
-            "picture": f"{settings.size[0]} x {settings.size[1]}, {settings.samples} samples a pixel, at most {settings.steps} steps a ray",
+            "picture": f"{settings.size[0]} x {settings.size[1]}, {settings.samples} samples a pixel",
+            "steps": f"at most {settings.steps} a ray",
         }
 
 
@@ -102,9 +117,9 @@ def make_plan(
 ) -> Plan:
     """Decide what a scene needs and write its program.
 
-    Places things with the kernels of `device`, in double where it has that, whatever the precision of the picture. `size`
-    replaces the scene's, `channels` are wanted beside those of the scene's outputs. Raises SceneError for what can only be
-    seen here, such as a camera that no group element leads into the cell.
+    Places things with the kernels of `device`, in double where it has that, whatever the precision of the
+    picture. `size` replaces the scene's, `channels` are wanted beside those of the scene's outputs. Raises
+    SceneError for what can only be seen here, such as a camera that no group element leads into the cell.
     """
     device = device or devices.choose()
     wanted = {channel for output in scene.outputs for channel in output.channels} | set(channels)
@@ -183,16 +198,24 @@ class _Planner:
     def _write_walls(self) -> None:
         if self.lattice is None:
             return
-        self._function("mask outside_cell(point p, scene_data scene)", write_outside(self.lattice, self.numbers))
-        self._function("void teleport(ray *r, scene_data scene)", write_teleport(self.lattice, self.numbers, self.cells))
+        self._function(
+            "mask outside_cell(point p, scene_data scene)", write_outside(self.lattice, self.numbers)
+        )
+        self._function(
+            "void teleport(ray *r, scene_data scene)", write_teleport(self.lattice, self.numbers, self.cells)
+        )
         if self.distance in ("creeping", "both"):
-            self._function("real wall_time(point p, vector v, scene_data scene)", write_wall_time(self.lattice, self.numbers))
+            self._function(
+                "real wall_time(point p, vector v, scene_data scene)",
+                write_wall_time(self.lattice, self.numbers),
+            )
 
     def _distance_choice(self) -> str:
         """How distance is measured near walls (paper 4.2), where the scene leaves it to us.
 
-        A hollow that is symmetric under the walls bounds the distance to the solid beyond them too, so the cell's own
-        distance will do. Objects inside the cell need creeping. Whatever crosses a wall needs the neighbours as well.
+        A hollow that is symmetric under the walls bounds the distance to the solid beyond them too, so the
+        cell's own distance will do. Objects inside the cell need creeping. Whatever crosses a wall needs the
+        neighbours as well.
         """
         if self.lattice is None:
             return "whole space"
@@ -242,9 +265,14 @@ class _Planner:
             self._check_tile(solid, ("objects", k - 1))
             distance, lines, name = solids.write(solid, np.eye(4))
             self._function(f"real object_{k}_distance(point p, scene_data scene)", [f"return {distance};"])
-            self._function(f"surface object_{k}_surface(point p, scene_data scene)", [*lines, f"return {name};"])
+            self._function(
+                f"surface object_{k}_surface(point p, scene_data scene)", [*lines, f"return {name};"]
+            )
             material = write_material(solid.material, self.numbers, self.parts, "s")
-            self._function(f"material object_{k}_material(surface s, scene_data scene)", [f"material m = {material};", "return m;"])
+            self._function(
+                f"material object_{k}_material(surface s, scene_data scene)",
+                [f"material m = {material};", "return m;"],
+            )
             distances.append(f"object_{k}_distance(p, scene)")
             surfaces += [
                 f"s = object_{k}_surface(p, scene);",
@@ -257,11 +285,15 @@ class _Planner:
         for distance in distances[1:]:
             total = f"fmin({total}, {distance})"
         self._function("real cell_distance(point p, scene_data scene)", [f"return {total};"])
-        self._function("void cell_surface(point p, surface *best, real *object, material *m, scene_data scene)", surfaces)
+        self._function(
+            "void cell_surface(point p, surface *best, real *object, material *m, scene_data scene)", surfaces
+        )
         self._write_neighbours()
 
     def _write_neighbours(self) -> None:
-        """The distance and the surface seen from a point: of the cell alone, or also of the cells behind its walls."""
+        """The distance and the surface seen from a point: of the cell alone, or also of the cells behind its
+        walls.
+        """
         distance = ["real distance = cell_distance(p, scene);"]
         surface = [
             "surface best = {REAL(INFINITY), {REAL(0), REAL(0), REAL(0), REAL(1)}, REAL(0), REAL(0)};",
@@ -287,12 +319,15 @@ class _Planner:
                 "  mask nearer = there.distance < best.distance;",
                 f"  there.gradient = pull_back(scene, {maps} + 16 * wall, there.gradient);",
                 "  best = nearer_of(there, best, nearer);",
-                "  *cell = SELECT(nearer, cell_behind(seen_from, nearer, wall, scene), *cell);" if self.cells else "",
+                "  *cell = SELECT(nearer, cell_behind(seen_from, nearer, wall, scene), *cell);"
+                if self.cells
+                else "",
                 "}",
             ]
         self._function("real scene_distance(point p, scene_data scene)", [*distance, "return distance;"])
         self._function(
-            "void scene_surface(point p, real *object, real *cell, covector *gradient, material *m, scene_data scene)",
+            "void scene_surface(point p, real *object, real *cell, covector *gradient, material *m,"
+            " scene_data scene)",
             [*(line for line in surface if line), "*gradient = best.gradient;"],
         )
 
@@ -305,19 +340,26 @@ class _Planner:
             if kinds:
                 raise self.scene.error_at(
                     (*location, "tile", "vertices"),
-                    f"the vertices of {self.lattice.name} are {' and '.join(sorted(kinds))}: no ball has its centre there",
+                    f"the vertices of {self.lattice.name} are {' and '.join(sorted(kinds))}: no ball has its "
+                    "centre there",
                     "leave vertices out",
                 )
         members = shape if isinstance(shape, tuple) else (shape,) if isinstance(shape, schema.Solid) else ()
         for k, member in enumerate(members):
-            self._check_tile(member, (*location, solid.kind, k) if isinstance(shape, tuple) else (*location, solid.kind))
+            self._check_tile(
+                member, (*location, solid.kind, k) if isinstance(shape, tuple) else (*location, solid.kind)
+            )
 
     # Camera
 
     def _write_camera(self) -> None:
         camera = CameraFrame(self.scene.camera, self.place)
         if self.lattice is not None and not camera.carry(self.lattice):
-            raise self.scene.error_at(("camera",), "no group element leads the camera into the cell", "place it nearer to the origin")
+            raise self.scene.error_at(
+                ("camera",),
+                "no group element leads the camera into the cell",
+                "place it nearer to the origin",
+            )
         self.camera = camera
         half_height = float(np.tan(0.5 * self.scene.camera.fov))
         place = self.numbers.add([*camera.point, *camera.frame.ravel(), half_height, *self.size])
@@ -325,7 +367,7 @@ class _Planner:
         self._function(
             "ray view_ray(real x, real y, scene_data scene)",
             [
-                f"point p = camera_position(scene, {place});",
+                f"point p = four_numbers(scene, {place});",
                 f"return new_ray(p, push(p, perspective(x, y, scene, {place})));",
             ],
         )
@@ -333,7 +375,9 @@ class _Planner:
     # Light
 
     def _write_lights(self) -> tuple[int, int]:
-        """One loop over the images of all lights that ask for the same: number of geodesics, shadows or none."""
+        """One loop over the images of all lights that ask for the same: number of geodesics, shadows or
+        none.
+        """
         loops: dict[tuple[int, bool], list[float]] = {}
         for k, light in enumerate(self.scene.lights):
             point = self.place.point(light.point.at)
@@ -341,7 +385,9 @@ class _Planner:
             if self.lattice is not None:
                 carried, _, ok = self.lattice.teleport(point[None])
                 if not ok[0]:
-                    raise self.scene.error_at(("lights", k, "point", "at"), "no group element leads this light into the cell")
+                    raise self.scene.error_at(
+                        ("lights", k, "point", "at"), "no group element leads this light into the cell"
+                    )
                 point = carried[0]
             images = light_images(self.lattice, light.point.translates) @ point
             loop = loops.setdefault((light.point.geodesics, light.shadows == "hard"), [])
@@ -358,7 +404,7 @@ class _Planner:
             place = self.numbers.add(values)
             body += [
                 f"for (int i = 0; i < {count}; i++) {{",
-                f"  point light = with_w(three_numbers(scene, {place} + 7 * i), number(scene, {place} + 7 * i + 3));",
+                f"  point light = four_numbers(scene, {place} + 7 * i);",
                 f"  for (int k = 0; k < {geodesics}; k++) {{",
                 "    arrival a = point_light(s, light, k);",
                 "    a.lit &= counted;",
@@ -373,7 +419,8 @@ class _Planner:
                 "}",
             ]
         self._function(
-            "real3_lanes scene_light(shading s, mask counted, int max_steps, scene_data scene, real *shadow_steps)",
+            "real3_lanes scene_light(shading s, mask counted, int max_steps, scene_data scene,"
+            " real *shadow_steps)",
             [*body, "return seen;"],
         )
         return max(1, len(self.scene.lights)), total
@@ -386,11 +433,15 @@ class _Planner:
 
     def _write_air(self) -> None:
         background = self.numbers.add(self.scene.background.linear)
-        self._function("real3_lanes scene_background(scene_data scene)", [f"return three_numbers(scene, {background});"])
+        self._function(
+            "real3_lanes scene_background(scene_data scene)", [f"return three_numbers(scene, {background});"]
+        )
         fog = self.scene.effects.fog
         seen = "seen"
         if fog is not None:
             self.parts.add("light/fog_exponential.h")
             place = self.numbers.add([fog.exponential.density, *fog.exponential.color.linear])
             seen = f"fog_exponential(seen, t, scene, {place})"
-        self._function("real3_lanes scene_air(real3_lanes seen, real t, scene_data scene)", [f"return {seen};"])
+        self._function(
+            "real3_lanes scene_air(real3_lanes seen, real t, scene_data scene)", [f"return {seen};"]
+        )

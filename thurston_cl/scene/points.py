@@ -59,8 +59,5 @@ def _point(value: Any, info: ValidationInfo) -> Any:
 Point = Annotated[
     Vec3 | ModelPoint,
     BeforeValidator(_point),
-    Says(
-        "point: `[x, y, z]`, the end of the geodesic from the origin along this vector, of its length; "
-        "or `{model: [x, y, z, w]}`"
-    ),
+    Says("point: `[x, y, z]` or `{model: [x, y, z, w]}`"),
 ]

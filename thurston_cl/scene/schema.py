@@ -138,6 +138,10 @@ class Scene(Node):
         """An empty collection, for checks that can find more than one mistake."""
         return Problems(self.source)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both describe the same picture, wherever they were read."""
+        return isinstance(other, Scene) and self.__dict__ == other.__dict__
+
     def effective_text(self) -> str:
         """The scene as YAML with -D and --set worked in: reading this text gives an equal scene."""
         from .effective import effective_text

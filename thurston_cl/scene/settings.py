@@ -7,7 +7,7 @@ from pydantic import Field
 
 from .base import Node, Problem, raised
 from .context import Context
-from .values import AtLeast, Count, OutputFile, PixelSize, Positive, Says
+from .values import AtLeast, OutputFile, PixelSize, Positive, Samples, Steps
 
 
 class RenderSettings(Node):
@@ -20,13 +20,13 @@ class RenderSettings(Node):
     }
 
     size: PixelSize = Field(default=(960, 540), description="Width and height of the picture in pixels.")
-    samples: Annotated[Count, Field(le=4096), Says("whole number from 1 to 4096")] = Field(
+    samples: Samples = Field(
         default=4, description="Rays for each pixel, spread over it evenly; more give smoother edges."
     )
     precision: Literal["auto", "single", "double"] = Field(
         default="auto", description="Arithmetic of the kernels. `auto` is single."
     )
-    steps: Annotated[Count, Field(le=100_000), Says("whole number from 1 to 100000")] = Field(
+    steps: Steps = Field(
         default=300, description="The most steps a ray may take; then it shows the background."
     )
     threshold: Positive = Field(
@@ -38,9 +38,9 @@ class RenderSettings(Node):
     )
     distance: Literal["auto", "domain", "creeping", "neighbours", "both"] = Field(
         default="auto",
-        description="How the distance to the objects is found near the walls of a manifold's cell (paper, 4.2): "
-        "`domain` looks at this cell only, `creeping` stops at walls, `neighbours` looks into the cells "
-        "around, `both` does both.",
+        description="How the distance to the objects is found near the walls of a manifold's cell (paper, "
+        "4.2): `domain` looks at this cell only, `creeping` stops at walls, `neighbours` looks into the "
+        "cells around, `both` does both.",
     )
     finish: Literal["auto", "packet", "refill"] = Field(
         default="auto",

@@ -6,11 +6,11 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
-from .base import Node, Problem
+from .base import Node, Problem, problem, shown
 from .context import Context
 from .points import Point
 from .surfaces import Material, MaterialValue
-from .values import Angle, AtLeast, Direction, Number, Positive, Says
+from .values import Angle, AtLeast, Direction, Number, OneOrMore, Positive, Says
 
 
 class Shape(Node):
@@ -33,7 +33,7 @@ class Ball(Shape):
     radius: Positive = Field(description="Radius of the ball; less than π in s3.")
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _below_in_s3(context, "radius", self.radius, math.pi, "π: that ball fills the whole space")
+        yield from _below_in_s3(context, "radius", self.radius, "π", "the radius of a ball")
 
 
 class Cylinder(Shape):
@@ -46,9 +46,7 @@ class Cylinder(Shape):
     along: Direction = Field(default=(0, 0, 1), description="Direction of the geodesic through the center.")
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _below_in_s3(
-            context, "radius", self.radius, math.pi / 2, "π/2: that cylinder fills the whole space"
-        )
+        yield from _below_in_s3(context, "radius", self.radius, "π/2", "the radius of a cylinder")
 
 
 class HalfSpace(Shape):
@@ -65,9 +63,7 @@ class HalfSpace(Shape):
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _below_in_s3(
-            context, "offset", abs(self.offset), math.pi / 2, "π/2 on either side of the plane"
-        )
+        yield from _below_in_s3(context, "offset", self.offset, "π/2", "an offset, to either side,")
 
 
 class Horoball(Shape):
@@ -101,12 +97,14 @@ class Tile(Shape):
     def check(self, context: Context) -> Iterator[Problem]:
         for key, radius in (("ball", self.ball), ("vertices", self.vertices), ("edges", self.edges)):
             if radius is not None:
-                yield from _below_in_s3(context, key, radius, math.pi, "π: that ball fills the whole space")
+                yield from _below_in_s3(context, key, radius, "π", "the radius of a ball")
 
 
-def _below_in_s3(context: Context, key: str, value: float, bound: float, words: str) -> Iterator[Problem]:
-    if context.geometry == "s3" and value >= bound:
-        yield Problem((key,), f"in s3 {key} is less than {words}; this is {value:g}")
+def _below_in_s3(context: Context, key: str, value: float, bound: str, what: str) -> Iterator[Problem]:
+    """In s3 nothing is further away than π, and no plane or line further than π/2."""
+    if context.geometry == "s3" and abs(value) >= {"π": math.pi, "π/2": math.pi / 2}[bound]:
+        help = "at that size it fills the whole space, or nothing of it"
+        yield Problem((key,), f"in s3 {what} is less than {bound}; this is {shown(value)}", help)
 
 
 class Rotation(Node):
@@ -120,12 +118,15 @@ class Rotation(Node):
 
 
 def _one_or_more(value: Any) -> Any:
-    return [value] if isinstance(value, (dict, Rotation)) else value
+    if not isinstance(value, (dict, list, tuple, Rotation)):
+        raise problem(f"expected a rotation, found {shown(value)}", f"for example {Rotation.example}")
+    return value if isinstance(value, (list, tuple)) else (Rotation.model_validate(value),)
 
 
 Rotations = Annotated[
     tuple[Rotation, ...],
     BeforeValidator(_one_or_more),
+    OneOrMore(),
     Says("a [rotation](#rotation), or a list of them, the first applied first"),
 ]
 

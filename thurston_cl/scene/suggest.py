@@ -113,6 +113,8 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
 
 # Below this ratio of common letters a guess is more likely to mislead than to help (difflib's own default).
 _CUTOFF = 0.6
+# A word that is only near to a synonym must be nearer to it, for there are many of them.
+_SYNONYM_CUTOFF = 0.8
 
 
 def nearest(word: str, candidates: Iterable[str]) -> str | None:
@@ -131,10 +133,11 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
     meanings = {**synonyms, **by_plain}
     if plain in synonyms:
         return synonyms[plain]
-    # A synonym as short as 'r' or 'or' is near to every short word, so those count only when written exactly.
-    pool = [spelling for spelling in meanings if spelling in by_plain or len(spelling) > 3]
-    close = difflib.get_close_matches(plain, pool, n=1, cutoff=_CUTOFF)
-    return meanings[close[0]] if close else None
+    close = difflib.get_close_matches(plain, meanings, n=len(meanings) or 1, cutoff=_CUTOFF)
+    for spelling in close:
+        if spelling in by_plain or difflib.SequenceMatcher(None, spelling, plain).ratio() >= _SYNONYM_CUTOFF:
+            return meanings[spelling]
+    return None
 
 
 def did_you_mean(word: str, candidates: Iterable[str], otherwise: str | None = None) -> str | None:

@@ -13,6 +13,7 @@ from .values import (
     PARAM_PATTERN,
     Also,
     ColorValue,
+    Fraction,
     Positive,
     Says,
     SquareCount,
@@ -45,9 +46,7 @@ class Grid(Node):
     count: SquareCount = Field(
         default=(8, 8), description="How many squares; two numbers count them in the two directions."
     )
-    width: Annotated[Positive, Field(lt=1), Says("number between 0 and 1")] = Field(
-        default=0.1, description="Width of a line, as a fraction of a square."
-    )
+    width: Fraction = Field(default=0.1, description="Width of a line, as a fraction of a square.")
     colors: Annotated[
         tuple[ColorValue, ColorValue], BeforeValidator(lambda v: _two_colors(v)), Says("2 colors")
     ] = Field(

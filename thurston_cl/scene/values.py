@@ -8,7 +8,7 @@ from pathlib import PurePosixPath, PureWindowsPath
 from typing import Annotated, Any
 
 import webcolors  # type: ignore[import-untyped]
-from annotated_types import Ge, Gt, Le
+from annotated_types import Ge, Gt, Le, Lt
 from pydantic import (
     AfterValidator,
     BeforeValidator,
@@ -56,7 +56,7 @@ def _number(value: object) -> float:
         elif re.fullmatch(r"\s*[-+]?\d+,\d+\s*", value):
             help = f"a decimal point, not a comma: {value.strip().replace(',', '.')}"
         elif re.fullmatch(r"\s*[-+]?[\d.]+\s*(deg|rad|turn|[cm]?m|px)\s*", value):
-            help = "this is not an angle: it has no unit"
+            help = "lengths have no unit: write the number alone"
         elif re.search(r"[*/^()]|\b(pi|sqrt)\b", value):
             help = "a scene holds numbers, not expressions: write the value out"
     raise problem(f"expected a number, found {shown(value)}", help)
@@ -69,12 +69,15 @@ def _integer(value: object) -> int:
     return int(number)
 
 
+# The bounds stand before the validators, next to the plain type: only there do they reach the JSON Schema.
 Number = Annotated[float, BeforeValidator(_number), Says("number")]
-Positive = Annotated[Number, Gt(0), Says("number > 0")]
-NonNegative = Annotated[Number, Ge(0), Says("number ≥ 0")]
-Weight = Annotated[Number, Ge(0), Le(1), Says("number from 0 to 1")]
-Integer = Annotated[int, BeforeValidator(_integer), Says("whole number")]
-Count = Annotated[Integer, Ge(1), Says("whole number ≥ 1")]
+Positive = Annotated[float, Gt(0), BeforeValidator(_number), Says("number > 0")]
+Fraction = Annotated[float, Gt(0), Lt(1), BeforeValidator(_number), Says("number between 0 and 1")]
+Weight = Annotated[float, Ge(0), Le(1), BeforeValidator(_number), Says("number from 0 to 1")]
+Count = Annotated[int, Ge(1), BeforeValidator(_integer), Says("whole number ≥ 1")]
+Pixels = Annotated[int, Ge(1), Le(16384), BeforeValidator(_integer)]
+Samples = Annotated[int, Ge(1), Le(4096), BeforeValidator(_integer), Says("whole number from 1 to 4096")]
+Steps = Annotated[int, Ge(1), Le(100_000), BeforeValidator(_integer), Says("whole number from 1 to 100000")]
 
 _UNITS = {"deg": math.pi / 180, "rad": 1.0, "turn": 2 * math.pi}
 # Only what float() reads, so that the pattern and the loader accept the same.
@@ -129,6 +132,17 @@ FieldOfView = Annotated[Angle, AfterValidator(_field_of_view)]
 
 
 @dataclass(frozen=True)
+class OneOrMore:
+    """A list that may be written as its only entry, for the JSON Schema."""
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        as_list = handler(schema)
+        return {"anyOf": [as_list["items"], as_list]}
+
+
+@dataclass(frozen=True)
 class AtLeast:
     """A list of at least this many entries, right or wrong ones."""
 
@@ -159,7 +173,10 @@ class AtLeast:
 def _list_of(length: int, names: str) -> Callable[[object], object]:
     def check(value: object) -> object:
         if not isinstance(value, (list, tuple)):
-            raise problem(f"expected {length} numbers {names}, found {shown(value)}")
+            axis = {"x": "[1, 0, 0]", "y": "[0, 1, 0]", "z": "[0, 0, 1]"}.get(str(value))
+            raise problem(
+                f"expected {length} numbers {names}, found {shown(value)}", axis and f"write {axis}"
+            )
         if len(value) != length:
             raise problem(f"expected {length} numbers {names}, found {len(value)}")
         return value
@@ -183,7 +200,7 @@ Vec4 = Annotated[
 ]
 Direction = Annotated[Vec3, AfterValidator(_not_zero), Says("direction `[x, y, z]`, not zero, of any length")]
 PixelSize = Annotated[
-    tuple[Annotated[Count, Le(16384)], Annotated[Count, Le(16384)]],
+    tuple[Pixels, Pixels],
     BeforeValidator(_list_of(2, "[width, height]")),
     Says("2 whole numbers from 1 to 16384"),
 ]

@@ -1,0 +1,136 @@
+"""What lanes, refilling and precision cost or gain, as ratios within one run. Machines are shared: trust the ratios.
+
+Run with `make bench`, or `python benchmarks/bench.py --repeat 9` for quieter medians. Times are processor time of all
+cores together (core-ms), of tracing and shading one sample of every pixel; a kernel's first run is not counted.
+"""
+
+import argparse
+import json
+import resource
+import statistics
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from thurston_cl import device as devices
+from thurston_cl.device import Device
+from thurston_cl.render import TileRenderer, sample_shifts, tiles
+from thurston_cl.scene import load_scene
+from thurston_cl.scene.plan import make_plan
+
+SCENES = Path(__file__).parent / "scenes"
+
+
+@dataclass
+class Contender:
+    """One way to render a scene, with the core-seconds of its runs."""
+
+    name: str
+    renderer: TileRenderer
+    size: tuple[int, int]
+    seconds: list[float]
+    steps: float = 0.0
+
+    def run(self) -> None:
+        """Render once; keep the processor time."""
+        before = time.process_time()
+        steps = 0.0
+        for tile in tiles((0, 0, *self.size), self.renderer.side):
+            values = self.renderer.run(tile, sample_shifts(1), lambda: None)
+            steps += float(values[3:5].sum(dtype=np.float64))
+        self.seconds.append(time.process_time() - before)
+        self.steps = steps
+
+    @property
+    def median(self) -> float:
+        """Core-seconds of a run."""
+        return statistics.median(self.seconds[1:])
+
+
+def contender(
+    device: Device, scene_file: str, name: str, precision: str, lanes: int, finish: str
+) -> Contender:
+    """Build the program of one contender."""
+    scene = load_scene(SCENES / scene_file)
+    renderer = TileRenderer(make_plan(scene, device=device), device, precision, lanes, finish)
+    return Contender(name, renderer, scene.render.size, [])
+
+
+def race(title: str, contenders: list[Contender], repeat: int) -> None:
+    """Run the contenders in turn, again and again, and print the medians relative to the first."""
+    for _ in range(repeat + 1):
+        for each in contenders:
+            each.run()
+    print(f"\n{title}")
+    print(f"  {'':34} {'core-ms':>9} {'ratio':>7} {'min':>6} {'max':>6} {'Msteps/s':>9}")
+    first = contenders[0]
+    for each in contenders:
+        ratios = [a / b for a, b in zip(each.seconds[1:], first.seconds[1:], strict=True)]
+        print(
+            f"  {each.name:34} {1e3 * each.median:9.1f} {statistics.median(ratios):7.2f} {min(ratios):6.2f}"
+            f" {max(ratios):6.2f} {1e-6 * each.steps / each.median:9.1f}"
+        )
+
+
+def ideal_cube(device: Device, repeat: int) -> None:
+    """The ideal cube, complement of a ball, fog only: the scene of the paper's own shader."""
+    lanes = device.info.lane_width("single")
+    each = contender(device, "ideal-cube.yaml", "", "single", lanes, "auto")
+    black = 0
+    for tile in tiles((0, 0, *each.size), each.renderer.side):
+        values = each.renderer.run(tile, sample_shifts(1), lambda: None)
+        black += int((values[:3].max(axis=0) <= 0).sum())
+    print(f"\nideal cube, 512 x 512, at most 100 steps: {black} black pixels, finish {each.renderer.finish}")
+
+
+def memory() -> None:
+    """Peak memory of a large picture, in a process of its own."""
+    code = (
+        "import json, resource, sys, thurston_cl as tc\n"
+        "scene = tc.load_scene(sys.argv[1])\n"
+        "image = tc.render(scene, size=(4096, 4096), samples=1)\n"
+        "image.save(sys.argv[2], force=True)\n"
+        "print(json.dumps(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss))\n"
+    )
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-c", code, str(SCENES / "ideal-cube.yaml"), f"{folder}/large.exr"]
+        kilobytes = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    print(f"\n4096 x 4096 with all channels, written as EXR: peak memory {kilobytes / 2**20:.2f} GiB")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--repeat", type=int, default=5, help="counted runs of each contender (default 5)")
+    parser.add_argument("--device", help="as for `thurston render`")
+    repeat = parser.parse_args().repeat
+    device = devices.choose(parser.parse_args().device)
+    info = device.info
+    wide = info.lane_width("single")
+    print(f"{info.name}, {info.platform_version}, {wide} lanes; medians of {repeat} runs in turn")
+    half = max(1, wide // 2)
+    for title, file in (
+        ("hyperideal cube (h3), 1024 x 768, one light with hard shadow, fog", "hyperideal-cube.yaml"),
+        ("ideal cube (h3), 512 x 512, complement of a ball, fog only, 100 steps", "ideal-cube.yaml"),
+    ):
+        ways = [
+            (f"{wide} lanes, packet, single", "single", wide, "packet"),
+            (f"{wide} lanes, refill, single", "single", wide, "refill"),
+            (f"{half} lanes, packet, single", "single", half, "packet"),
+            ("1 lane, packet, single", "single", 1, "packet"),
+        ]
+        if info.fp64:
+            ways.append((f"{wide} lanes, packet, double", "double", info.lane_width("double"), "packet"))
+        contenders = [contender(device, file, *way) for way in dict.fromkeys(ways)]
+        race(title, contenders, repeat)
+    ideal_cube(device, repeat)
+    memory()
+
+
+if __name__ == "__main__":
+    main()

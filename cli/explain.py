@@ -1,0 +1,78 @@
+"""`thurston explain`: what a scene calls for, what is left out, and the program that is made of it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import textwrap
+
+import click
+
+from .options import OTHER, OUTPUT, GroupedCommand, Option, check_precision, device_options, scene_options
+
+
+@click.command(cls=GroupedCommand)
+@scene_options
+@device_options
+@click.option(
+    "--source",
+    "show_source",
+    is_flag=True,
+    cls=Option,
+    group=OUTPUT,
+    help="Print the assembled OpenCL source, complete, with its compiler options on top.",
+)
+@click.option("--json", "as_json", is_flag=True, cls=Option, group=OTHER, help="Print JSON.")
+def command(
+    scene: str,
+    defines: dict[str, str],
+    sets: tuple[str, ...],
+    device: str | None,
+    precision: str | None,
+    show_source: bool,
+    as_json: bool,
+) -> None:
+    """Say what SCENE calls for and what is left out of its program; nothing is compiled or rendered.
+
+    SCENE is a file, the name of a scene that comes with the program, or - for standard input. The channel
+    "cell" counts only where an output of the scene names it.
+    """
+    from thurston_cl.device import choose
+    from thurston_cl.scene import load_scene
+    from thurston_cl.scene.plan import make_plan
+
+    loaded = load_scene(scene, defines=defines, sets=sets)
+    chosen = choose(device)
+    arithmetic = check_precision(chosen, precision or loaded.render.precision)
+    plan = make_plan(loaded, device=chosen)
+    lanes = chosen.info.lane_width(arithmetic)
+    options = plan.source.options(arithmetic, lanes)
+    for warning in plan.warnings:
+        click.echo(f"thurston: warning: {warning}", err=True)
+    rows = {
+        **plan.explain(),
+        "device": f"{chosen.info.id} {chosen.info.name}",
+        "arithmetic": f"{arithmetic} precision, {lanes} lanes",
+        "compiler options": " ".join(options),
+    }
+    if as_json:
+        answer = {
+            "explanation": rows,
+            "called_for": plan.called_for,
+            "left_out": plan.left_out,
+            "parts": plan.parts,
+            "options": options,
+        }
+        click.echo(json.dumps(answer | ({"source": plan.source.text} if show_source else {}), indent=2))
+    elif show_source:
+        click.echo(f"// clBuildProgram options: {' '.join(options)}\n{plan.source.text}", nl=False)
+    else:
+        _print_rows(rows)
+
+
+def _print_rows(rows: dict[str, str]) -> None:
+    indent = max(map(len, rows)) + 2
+    columns = max(shutil.get_terminal_size().columns, indent + 40)
+    for heading, value in rows.items():
+        lines = textwrap.wrap(value, columns - indent, break_long_words=False, break_on_hyphens=False)
+        click.echo(f"{heading:{indent}}" + ("\n" + " " * indent).join(lines))

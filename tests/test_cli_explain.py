@@ -1,0 +1,132 @@
+"""`thurston explain`: what a scene calls for, what is left out, and the source that it prints."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from click.testing import CliRunner, Result
+
+from thurston_cl.cli.main import main
+from thurston_cl.device import Device
+
+PLAIN = """\
+geometry: h3
+camera: {at: [-2, 0, 0]}
+objects:
+  - ball: {radius: 0.4}
+"""
+
+RICH = """\
+geometry: h3
+manifold: seifert-weber
+camera: {at: [0.6, 0, 0]}
+params: {density: 0.2}
+objects:
+  - ball: {radius: 0.3}
+    material: {color: {checker: {count: 8}}}
+  - complement: {ball: {radius: 0.9}}
+lights:
+  - point: {at: [0.3, 0.5, 0.2]}
+    shadows: hard
+effects: {fog: {exponential: {density: $density}}}
+outputs: [{file: a.exr, channels: [beauty, cell]}]
+"""
+
+
+@pytest.fixture
+def explain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+    (tmp_path / "plain.yaml").write_text(PLAIN)
+    (tmp_path / "rich.yaml").write_text(RICH)
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: CliRunner().invoke(main, ["explain", *arguments], prog_name="thurston")
+
+
+def rows(result: Result) -> dict[str, str]:
+    """Heading and value of each row, continued lines joined."""
+    found: dict[str, str] = {}
+    for line in result.stdout.splitlines():
+        heading, _, value = line.partition("  ")
+        last = heading or list(found)[-1]
+        found[last] = f"{found[last]} {value.strip()}" if not heading else value.strip()
+    return found
+
+
+def test_a_plain_scene_leaves_all_effects_out(explain: Callable[..., Result]) -> None:
+    result = explain("plain.yaml")
+    assert result.exit_code == 0, result.output
+    said = rows(result)
+    assert said["geometry"] == "h3"
+    assert said["space"] == "the whole space"
+    for effect in ("hard shadows", "exponential fog", "checker", "grid"):
+        assert effect in said["left out"]
+        assert effect not in said["called for"]
+    assert said["arithmetic"].startswith("single precision, ")
+    assert "-cl-std=CL1.2" in said["compiler options"]
+
+
+def test_a_rich_scene_names_what_it_calls_for(explain: Callable[..., Result]) -> None:
+    said = rows(explain("rich.yaml"))
+    assert "seifert-weber" in said["space"]
+    for effect in ("hard shadows", "exponential fog", "checker", "cell ids"):
+        assert effect in said["called for"]
+        assert effect not in said["left out"]
+    assert "grid" in said["left out"]
+
+
+def test_what_is_left_out_is_not_in_the_source(explain: Callable[..., Result]) -> None:
+    plain, rich = explain("plain.yaml", "--source").stdout, explain("rich.yaml", "--source").stdout
+    for name in ("hard_shadow", "fog_exponential", "checker", "next_cell["):
+        assert name in rich
+        assert name not in plain
+    assert "/grid.h" not in rich
+
+
+def test_the_printed_source_compiles_by_hand(explain: Callable[..., Result], opencl_device: Device) -> None:
+    import pyopencl as cl
+
+    head, _, source = explain("plain.yaml", "--source").stdout.partition("\n")
+    options = head.removeprefix("// clBuildProgram options: ")
+    # One lane builds quickest; the rest is as printed.
+    chosen = [word for word in shlex.split(options) if not word.startswith("-DLANES=")]
+    program = cl.Program(opencl_device.context, source).build([*chosen, "-DLANES=1"])
+    assert "shade" in program.kernel_names.split(";")
+
+
+def test_json_holds_the_same_and_the_source_on_request(explain: Callable[..., Result]) -> None:
+    answer = json.loads(explain("rich.yaml", "--json").stdout)
+    assert rows(explain("rich.yaml")) == {
+        heading: " ".join(value.split()) for heading, value in answer["explanation"].items()
+    }
+    assert "source" not in answer
+    assert not set(answer["called_for"]) & set(answer["left_out"])
+    assert "march.h" in answer["parts"]
+    with_source = json.loads(explain("rich.yaml", "--json", "--source").stdout)
+    assert with_source["source"] == explain("rich.yaml", "--source").stdout.split("\n", 1)[1]
+
+
+def test_precision_and_changes_of_the_scene_count(
+    explain: Callable[..., Result], opencl_device: Device
+) -> None:
+    result = explain("rich.yaml", "-D", "density=0.1", "--set", "lights=[{point: {at: [1, 0, 0]}}]")
+    assert "hard shadows" in rows(result)["left out"]
+    if opencl_device.info.fp64:
+        said = rows(explain("plain.yaml", "--precision", "double"))
+        assert said["arithmetic"].startswith("double precision, ")
+        assert "-DFP64=1" in said["compiler options"]
+
+
+def test_exit_codes(explain: Callable[..., Result], monkeypatch: pytest.MonkeyPatch) -> None:
+    assert explain().exit_code == 2
+    assert explain("plain.yaml", "-D", "q=1").exit_code == 65
+    assert explain("plian.yaml").exit_code == 66
+    assert explain("plain.yaml", "--device", "no such device").exit_code == 69
+    toaster = SimpleNamespace(info=SimpleNamespace(id="0:0", name="Toaster", fp64=False))
+    monkeypatch.setattr("thurston_cl.device.choose", lambda request=None: toaster)
+    result = explain("plain.yaml", "--precision", "double")
+    assert result.exit_code == 69
+    assert "Toaster (0:0) has no double precision" in result.stderr

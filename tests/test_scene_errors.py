@@ -1,0 +1,658 @@
+"""Every mistake we know of, one at a time: its place, message and cure, and whether the JSON Schema sees it."""
+
+from dataclasses import dataclass
+
+import jsonschema
+import pytest
+
+from thurston_cl.scene import SceneReport, load_text, scene_schema
+from thurston_cl.scene.parse import parse
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """A scene with one mistake at line:column; `schema` says whether the JSON Schema can find it, too."""
+
+    text: str
+    at: str
+    message: str
+    help: str = ""
+    schema: bool = True
+
+
+BALL = "objects: [{ball: {radius: 1}}]\n"
+E3, S3, H3 = (f"geometry: {name}\n{BALL}" for name in ("e3", "s3", "h3"))
+
+
+def an_object(text: str, geometry: str = "e3") -> str:
+    """A scene with one object, which starts in line 3, column 5."""
+    return f"geometry: {geometry}\nobjects:\n  - {text}\n"
+
+
+def by_matrices(generators: str, domain: str) -> str:
+    """A scene of e3 with a lattice."""
+    return f"{E3}manifold:\n  generators: {generators}\n  domain: {domain}\n"
+
+
+SHIFT = "[[1, 0, 0, -1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"
+BACK = "[[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"
+
+MISTAKES = {
+    # The scene as a whole
+    "empty": Mistake("", "1:1", "the scene is empty", "'geometry:'"),
+    "only comments": Mistake("# nothing\n", "1:1", "the scene is empty", "'geometry:'"),
+    "a list": Mistake("- geometry: e3\n", "1:1", "the scene is not a mapping of keys", "'geometry:'"),
+    "no geometry": Mistake(BALL, "1:1", "a scene needs the key 'geometry'", "geometry: h3"),
+    "no objects": Mistake("geometry: e3\n", "1:1", "a scene needs the key 'objects'"),
+    "empty objects": Mistake("geometry: e3\nobjects: []\n", "2:10", "expected at least 1 entry, found 0"),
+    "one object, no list": Mistake(
+        "geometry: e3\nobjects:\n  ball: {radius: 1}\n", "3:3", "expected a list, found a mapping", "'- '"
+    ),
+    "long name of a geometry": Mistake(
+        f"geometry: Hyperbolic\n{BALL}",
+        "1:11",
+        "'Hyperbolic' is not one of: e3, s3, h3",
+        "did you mean 'h3'?",
+    ),
+    "geometry in capitals": Mistake(
+        f"geometry: H3\n{BALL}", "1:11", "'H3' is not one of", "did you mean 'h3'?"
+    ),
+    "geometry of a later version": Mistake(
+        f"geometry: nil\n{BALL}", "1:11", "'nil' is not rendered yet; available: e3, s3, h3"
+    ),
+    "misspelt geometry of a later version": Mistake(
+        f"geometry: nill\n{BALL}",
+        "1:11",
+        "'nill' is not one of",
+        "did you mean 'nil'? It is not rendered yet",
+    ),
+    "geometry is no text": Mistake(f"geometry: 3\n{BALL}", "1:11", "expected one of e3, s3, h3; found 3"),
+    "version": Mistake(
+        f"thurston: 2\n{E3}", "1:11", "this program reads version 1 of the scene format; this is 2"
+    ),
+    "version is true": Mistake(f"thurston: true\n{E3}", "1:11", "this is true"),
+    "unknown key": Mistake(f"{E3}sceen: 3\n", "3:1", "unknown key 'sceen'", "known keys: thurston, title"),
+    "key of another program": Mistake(
+        f"{E3}lattice: quaternion\n", "3:1", "unknown key 'lattice'", "did you mean 'manifold'?"
+    ),
+    "key in capitals": Mistake(f"{E3}Title: x\n", "3:1", "unknown key 'Title'", "did you mean 'title'?"),
+    "key one level too high": Mistake(
+        f"{E3}samples: 4\n", "3:1", "unknown key 'samples'", "inside 'render': write 'render: {samples: ...}'"
+    ),
+    "key without a value": Mistake(
+        f"{E3}camera:\n", "3:1", "'camera' has no value", "for example camera: {at:"
+    ),
+    "number for a title": Mistake(f"{E3}title: 3\n", "3:8", "expected text, found 3", "put quotes around it"),
+    # Objects
+    "negative radius": Mistake(
+        an_object("ball: {radius: -1}"), "3:20", "radius must be greater than 0; this is -1"
+    ),
+    "zero radius": Mistake(
+        an_object("ball: {radius: 0}"), "3:20", "radius must be greater than 0; this is 0"
+    ),
+    "no radius": Mistake(
+        an_object("ball: {}"), "3:11", "a ball needs the key 'radius'", "ball: {radius: 0.4}"
+    ),
+    "misspelt radius": Mistake(
+        an_object("ball: {raduis: 1}"), "3:12", "unknown key 'raduis'", "did you mean 'radius'?"
+    ),
+    "text for a number": Mistake(an_object("ball: {radius: big}"), "3:20", "expected a number, found 'big'"),
+    "number in quotes": Mistake(
+        an_object('ball: {radius: "0.4"}'), "3:20", "expected a number, found '0.4'", "take the quotes off"
+    ),
+    "truth for a number": Mistake(an_object("ball: {radius: true}"), "3:20", "expected a number, found true"),
+    "formula for a number": Mistake(
+        an_object("ball: {radius: 2*pi}"), "3:20", "found '2*pi'", "not expressions"
+    ),
+    "unit for a number": Mistake(an_object("ball: {radius: 0.4 m}"), "3:20", "found '0.4 m'", "no unit"),
+    "decimal comma": Mistake(an_object("cylinder: {radius: '0,4'}"), "3:24", "found '0,4'", "0.4"),
+    "number for a shape": Mistake(
+        an_object("ball: 0.4"), "3:11", "expected a ball, found 0.4", "ball: {radius"
+    ),
+    "shape without its keys": Mistake(
+        an_object("ball:"), "3:5", "'ball' has no value", "ball: {radius: 0.4}"
+    ),
+    "no shape": Mistake(an_object("at: [0, 0, 0]"), "3:5", "an object needs one of: ball, cylinder"),
+    "only a name": Mistake(
+        an_object("ball"), "3:5", "expected an object, found 'ball'", "- ball: {radius: 0.4}"
+    ),
+    "two shapes": Mistake(
+        an_object("{ball: {radius: 1}, cylinder: {radius: 1}}"),
+        "3:25",
+        "an object has only one of 'ball' and 'cylinder'",
+        "union",
+    ),
+    "sphere": Mistake(
+        an_object("sphere: {radius: 1}"), "3:5", "unknown key 'sphere'", "did you mean 'ball'?"
+    ),
+    "half_space": Mistake(an_object("half_space: {}"), "3:5", "unknown key 'half_space'", "'half-space'"),
+    "subtract": Mistake(
+        an_object("subtract: []"), "3:5", "unknown key 'subtract'", "did you mean 'difference'?"
+    ),
+    "box": Mistake(an_object("box: {size: 1}"), "3:5", "unknown key 'box'", "six half-spaces"),
+    "place inside the shape": Mistake(
+        an_object("ball: {radius: 1, at: [1, 0, 0]}"), "3:23", "unknown key 'at'", "stands beside the shape"
+    ),
+    "radius beside the shape": Mistake(
+        an_object("{cylinder: {radius: 1}, radius: 2}"),
+        "3:29",
+        "unknown key 'radius'",
+        "inside 'ball' or 'cylinder'",
+    ),
+    "color beside the shape": Mistake(
+        an_object("{ball: {radius: 1}, color: red}"), "3:25", "unknown key 'color'", "material: {color: ...}"
+    ),
+    "material inside a union": Mistake(
+        an_object("union: [{ball: {radius: 1}, material: x}]"), "3:33", "unknown key 'material'", "outermost"
+    ),
+    "empty union": Mistake(an_object("union: []"), "3:12", "expected at least 1 entry, found 0"),
+    "difference of one": Mistake(
+        an_object("difference: [{ball: {radius: 1}}]"), "3:17", "expected at least 2 entries, found 1"
+    ),
+    "list in a complement": Mistake(an_object("complement: [1]"), "3:17", "expected a shape, found a list"),
+    "deep inside": Mistake(
+        an_object("difference: [{ball: {radius: 1}}, {complement: {union: [{ball: {radius: x}}]}}]"),
+        "3:77",
+        "expected a number, found 'x'",
+    ),
+    "short vector": Mistake(
+        an_object("{ball: {radius: 1}, at: [0, 1]}"), "3:29", "expected 3 numbers [x, y, z], found 2"
+    ),
+    "number for a point": Mistake(
+        an_object("{ball: {radius: 1}, at: 1}"), "3:29", "expected a point, found 1", "{model: [x, y, z, w]}"
+    ),
+    "text in a point": Mistake(
+        an_object("{ball: {radius: 1}, at: [0, 0, up]}"), "3:36", "expected a number, found 'up'"
+    ),
+    "point off the model, e3": Mistake(
+        an_object("{ball: {radius: 1}, at: {model: [0, 0, 0, 2]}}"),
+        "3:37",
+        "this is not a point of the geometry, where w = 1",
+        schema=False,
+    ),
+    "point off the model, s3": Mistake(
+        an_object("{ball: {radius: 1}, at: {model: [1, 0, 0, 1]}}", "s3"),
+        "3:37",
+        "x² + y² + z² + w² = 1",
+        schema=False,
+    ),
+    "point on the other sheet, h3": Mistake(
+        an_object("{ball: {radius: 1}, at: {model: [0, 0, 0, -1]}}", "h3"), "3:37", "w = √(1 + ", schema=False
+    ),
+    "zero direction": Mistake(
+        an_object("half-space: {normal: [0, 0, 0]}"),
+        "3:26",
+        "a direction is not the zero vector",
+        schema=False,
+    ),
+    "name of an axis": Mistake(
+        an_object("cylinder: {radius: 1, along: z}"),
+        "3:34",
+        "expected 3 numbers [x, y, z], found 'z'",
+        "[0, 0, 1]",
+    ),
+    "angle without a unit": Mistake(
+        an_object("{ball: {radius: 1}, rotate: {axis: [0, 0, 1], angle: 0.5}}"),
+        "3:58",
+        "an angle needs a unit: write '0.5 deg' or '0.5 rad'",
+    ),
+    "angle for a rotation": Mistake(
+        an_object("{ball: {radius: 1}, rotate: 30 deg}"),
+        "3:33",
+        "expected a rotation, found '30 deg'",
+        "axis",
+    ),
+    "ball as large as s3": Mistake(
+        an_object("ball: {radius: 3.2}", "s3"), "3:20", "the radius of a ball is less than π", schema=False
+    ),
+    "cylinder as large as s3": Mistake(
+        an_object("cylinder: {radius: 1.6}", "s3"),
+        "3:24",
+        "the radius of a cylinder is less than π/2",
+        schema=False,
+    ),
+    "half-space as large as s3": Mistake(
+        an_object("half-space: {offset: -1.6}", "s3"), "3:26", "is less than π/2; this is -1.6", schema=False
+    ),
+    "horoball in e3": Mistake(
+        an_object("horoball: {towards: [0, 0, 1], distance: 0}"),
+        "3:5",
+        "no horoballs in e3, only in h3",
+        schema=False,
+    ),
+    "tile without a manifold": Mistake(
+        an_object("tile: {ball: 0.6}"),
+        "3:5",
+        "a tile needs a manifold, whose cell it is",
+        "manifold: NAME",
+        schema=False,
+    ),
+    # Camera
+    "eye": Mistake(f"{E3}camera: {{eye: [0, 0, 0]}}\n", "3:10", "unknown key 'eye'", "did you mean 'at'?"),
+    "postion": Mistake(
+        f"{E3}camera: {{postion: [0, 0, 0]}}\n", "3:10", "unknown key 'postion'", "did you mean 'at'?"
+    ),
+    "bare angle": Mistake(
+        f"{E3}camera: {{fov: 90}}\n", "3:15", "an angle needs a unit: write '90 deg' or '90 rad'"
+    ),
+    "degree sign": Mistake(
+        f"{E3}camera: {{fov: 90°}}\n", "3:15", "expected an angle such as '90 deg'", "write '90 deg'"
+    ),
+    "fov of a half turn": Mistake(
+        f"{E3}camera: {{fov: 180 deg}}\n",
+        "3:15",
+        "a perspective view is between 0 and 180 deg",
+        "fisheye",
+        schema=False,
+    ),
+    "fov of nothing": Mistake(
+        f"{E3}camera: {{fov: 0 deg}}\n", "3:15", "a field of view is greater than 0 deg", schema=False
+    ),
+    "fov in the projection": Mistake(
+        f"{E3}camera: {{projection: {{perspective: {{fov: 60 deg}}}}}}\n",
+        "3:37",
+        "unknown key 'fov'",
+        "in the camera",
+    ),
+    "fisheye": Mistake(
+        f"{E3}camera: {{projection: {{fisheye: {{}}}}}}\n",
+        "3:23",
+        "unknown key 'fisheye'",
+        "perspective only",
+    ),
+    "direction for a view": Mistake(
+        f"{E3}camera: {{look: [1, 0, 0]}}\n", "3:16", "expected a view, found a list", "look: {along:"
+    ),
+    "along and to": Mistake(
+        f"{E3}camera: {{look: {{along: [1, 0, 0], to: [0, 1, 0]}}}}\n",
+        "3:35",
+        "look either along a direction or to a point",
+        schema=False,
+    ),
+    "up along the view": Mistake(
+        f"{E3}camera: {{look: {{along: [1, 1, 0], up: [-2, -2, 0]}}}}\n",
+        "3:39",
+        "parallel to up, [-2, -2, 0]",
+        schema=False,
+    ),
+    "view along the default up": Mistake(
+        f"{E3}camera: {{look: {{along: [0, 0, 3]}}}}\n",
+        "3:24",
+        "parallel to up, [0, 0, 1]",
+        "give 'up'",
+        schema=False,
+    ),
+    "two steps in one": Mistake(
+        f"{E3}camera: {{move: [{{forward: 1, yaw: 20 deg}}]}}\n",
+        "3:30",
+        "a step has only one of 'forward' and 'yaw'",
+        "one step after the other",
+    ),
+    "backward": Mistake(
+        f"{E3}camera: {{move: [{{back: 1}}]}}\n", "3:18", "unknown key 'back'", "forward by a negative number"
+    ),
+    # Colors and materials
+    "misspelt color": Mistake(
+        f"{E3}background: rred\n", "3:13", "'rred' is not a color", "did you mean 'red'?"
+    ),
+    "color in capitals": Mistake(
+        f"{E3}background: White\n", "3:13", "'White' is not a color", "lower case: white"
+    ),
+    "color without #": Mistake(f"{E3}background: ff00ff\n", "3:13", "'ff00ff' is not a color", '"#ff00ff"'),
+    "color with a short code": Mistake(
+        f'{E3}background: "#ff00"\n', "3:13", "'#ff00' is not a color", "#rrggbb"
+    ),
+    "color of two numbers": Mistake(
+        f"{E3}background: [1, 2]\n", "3:13", "expected 3 numbers [red, green, blue], found 2"
+    ),
+    "negative color": Mistake(
+        f"{E3}background: [1, -1, 0]\n", "3:13", "the components of a color are at least 0"
+    ),
+    "color is a comment": Mistake(f"{E3}background: #ff0000\n", "3:1", "'background' has no value", "value"),
+    "colour": Mistake(
+        f"{E3}materials: {{a: {{colour: red}}}}\n", "3:17", "unknown key 'colour'", "did you mean 'color'?"
+    ),
+    "too much light": Mistake(
+        f"{E3}materials: {{a: {{ambient: 0.5, specular: 0.6}}}}\n",
+        "3:41",
+        "ambient and specular add up to 1.1, which is more than 1",
+        schema=False,
+    ),
+    "weights do not add up": Mistake(
+        f"{E3}materials: {{a: {{diffuse: 0.5}}}}\n",
+        "3:26",
+        "add up to 0.8 instead of 1",
+        "or write 0.7",
+        schema=False,
+    ),
+    "weight above 1": Mistake(
+        f"{E3}materials: {{a: {{ambient: 2}}}}\n", "3:26", "ambient must be at most 1; this is 2"
+    ),
+    "unknown material": Mistake(
+        an_object("{ball: {radius: 1}, material: glob}") + "materials: {globe: {}}\n",
+        "3:35",
+        "there is no material 'glob'",
+        "did you mean 'globe'?",
+        schema=False,
+    ),
+    "color for a material": Mistake(
+        an_object("{ball: {radius: 1}, material: gold}"),
+        "3:35",
+        "there is no material 'gold'",
+        "material: {color: gold}",
+        schema=False,
+    ),
+    "material without materials": Mistake(
+        an_object("{ball: {radius: 1}, material: wood}"),
+        "3:35",
+        "there is no material 'wood'",
+        "the scene has no materials; add",
+        schema=False,
+    ),
+    "unknown texture": Mistake(
+        f"{E3}textures: {{a: {{grid: {{}}}}}}\nmaterials: {{m: {{color: $textures.b}}}}\n",
+        "4:24",
+        "there is no texture 'b'",
+        "textures has: a",
+        schema=False,
+    ),
+    "wrong texture, used": Mistake(
+        f"{E3}textures: {{a: {{grid: {{width: 2}}}}}}\nmaterials: {{m: {{color: $textures.a}}}}\n",
+        "3:30",
+        "width must be less than 1; this is 2",
+    ),
+    "name with a blank": Mistake(
+        f'{E3}materials: {{"a b": {{}}}}\n', "3:13", "'a b' cannot be a name", "letters, digits, - or _"
+    ),
+    "pattern for a material": Mistake(
+        an_object("{ball: {radius: 1}, material: {checker: {}}}"),
+        "3:36",
+        "unknown key 'checker'",
+        "color: {checker",
+    ),
+    "two patterns": Mistake(
+        f"{E3}textures: {{a: {{grid: {{}}, checker: {{}}}}}}\n",
+        "3:26",
+        "a pattern has only one of 'grid' and 'checker'",
+    ),
+    "one color of two": Mistake(
+        f"{E3}textures: {{a: {{grid: {{colors: [red]}}}}}}\n",
+        "3:31",
+        "expected a list of two colors, found 1",
+    ),
+    "no squares": Mistake(
+        f"{E3}textures: {{a: {{grid: {{count: 0}}}}}}\n", "3:30", "count must be at least 1; this is 0"
+    ),
+    "half a square": Mistake(
+        f"{E3}textures: {{a: {{grid: {{count: [2, 1.5]}}}}}}\n", "3:34", "expected a whole number, found 1.5"
+    ),
+    # Lights and effects
+    "light without its kind": Mistake(
+        f"{E3}lights: [{{at: [0, 0, 1]}}]\n",
+        "3:11",
+        "unknown key 'at'",
+        "inside 'point': write 'point: {at: ...}'",
+    ),
+    "light without a place": Mistake(
+        f"{E3}lights: [point: {{}}]\n", "3:17", "a point light needs the key 'at'"
+    ),
+    "sun": Mistake(f"{E3}lights: [sun: {{}}]\n", "3:10", "unknown key 'sun'", "point lights only"),
+    "soft shadows": Mistake(
+        f"{E3}lights: [{{point: {{at: [0, 0, 1]}}, shadows: soft}}]\n",
+        "3:44",
+        "shadows can only be 'hard', not 'soft'",
+    ),
+    "shadows inside": Mistake(
+        f"{E3}lights: [point: {{at: [0, 0, 1], shadows: hard}}]\n",
+        "3:33",
+        "unknown key 'shadows'",
+        "beside 'point'",
+    ),
+    "dark light": Mistake(
+        f"{E3}lights: [point: {{at: [0, 0, 1], intensity: 0}}]\n",
+        "3:44",
+        "intensity must be greater than 0; this is 0",
+    ),
+    "many geodesics in e3": Mistake(
+        f"{E3}lights: [point: {{at: [0, 0, 1], geodesics: 2}}]\n", "3:44", "only one geodesic", schema=False
+    ),
+    "no geodesics": Mistake(
+        f"{S3}lights: [point: {{at: [0, 0, 1], geodesics: 0}}]\n",
+        "3:44",
+        "geodesics must be at least 1; this is 0",
+    ),
+    "translates without a manifold": Mistake(
+        f"{S3}lights: [point: {{at: [0, 0, 1], translates: 3}}]\n",
+        "3:33",
+        "translates needs a manifold",
+        schema=False,
+    ),
+    "American neighbours": Mistake(
+        f"{S3}manifold: quaternion\nlights: [point: {{at: [0, 0, 1], translates: neighbors}}]\n",
+        "4:45",
+        "found 'neighbors'",
+        "did you mean 'neighbours'?",
+    ),
+    "fog without its kind": Mistake(
+        f"{E3}effects: {{fog: {{density: 1}}}}\n", "3:17", "unknown key 'density'", "inside 'exponential'"
+    ),
+    "linear fog": Mistake(
+        f"{E3}effects: {{fog: {{linear: {{}}}}}}\n", "3:17", "unknown key 'linear'", "exponential fog only"
+    ),
+    "reflections": Mistake(
+        f"{E3}effects: {{reflections: 2}}\n", "3:11", "unknown key 'reflections'", "not rendered yet"
+    ),
+    # Settings and outputs
+    "part of a sample": Mistake(
+        f"{E3}render: {{samples: 4.5}}\n", "3:19", "expected a whole number, found 4.5"
+    ),
+    "many samples": Mistake(
+        f"{E3}render: {{samples: 1e4}}\n", "3:19", "samples must be at most 4096; this is 10000"
+    ),
+    "spp": Mistake(f"{E3}render: {{spp: 4}}\n", "3:10", "unknown key 'spp'", "did you mean 'samples'?"),
+    "misspelt precision": Mistake(
+        f"{E3}render: {{precision: doubel}}\n",
+        "3:21",
+        "'doubel' is not one of: auto, single, double",
+        "'double'",
+    ),
+    "one side of a picture": Mistake(
+        f"{E3}render: {{size: [10]}}\n", "3:16", "expected 2 numbers [width, height], found 1"
+    ),
+    "wide picture": Mistake(
+        f"{E3}render: {{size: [16385, 1]}}\n", "3:17", "size must be at most 16384; this is 16385"
+    ),
+    "far nearer than threshold": Mistake(
+        f"{E3}render: {{far: 1e-5}}\n",
+        "3:15",
+        "far must be greater than threshold, which is 0.0001",
+        schema=False,
+    ),
+    "distance without a manifold": Mistake(
+        f"{E3}render: {{distance: both}}\n", "3:10", "distance: both needs a manifold", schema=False
+    ),
+    "output above the folder": Mistake(
+        f"{E3}outputs: [file: ../x.png]\n", "3:17", "climbs out with '..'", "-o"
+    ),
+    "output above, hidden": Mistake(f"{E3}outputs: [file: a/../../x.png]\n", "3:17", "climbs out with '..'"),
+    "output above, on Windows": Mistake(
+        f"{E3}outputs: [file: 'a\\..\\x.png']\n", "3:17", "climbs out with '..'"
+    ),
+    "absolute output": Mistake(
+        f"{E3}outputs: [file: /tmp/x.png]\n", "3:17", "'/tmp/x.png' is absolute", "-o"
+    ),
+    "output on a drive": Mistake(f"{E3}outputs: [file: 'C:x.png']\n", "3:17", "'C:x.png' is absolute"),
+    "output in a home folder": Mistake(f"{E3}outputs: [file: ~/x.png]\n", "3:17", "'~/x.png' is absolute"),
+    "output as jpeg": Mistake(
+        f"{E3}outputs: [file: x.jpg]\n", "3:17", "'x.jpg' is neither a .png nor an .exr file"
+    ),
+    "output without a name": Mistake(f"{E3}outputs: [file: .png]\n", "3:17", "'.png' is neither"),
+    "misspelt channel": Mistake(
+        f"{E3}outputs: [{{file: x.exr, channels: [depht]}}]\n",
+        "3:36",
+        "'depht' is not one of",
+        "did you mean 'depth'?",
+    ),
+    "channel twice": Mistake(
+        f"{E3}outputs: [{{file: x.exr, channels: [depth, depth]}}]\n",
+        "3:43",
+        "'depth' is listed twice",
+        schema=False,
+    ),
+    "channels of a png": Mistake(
+        f"{E3}outputs: [{{file: x.png, channels: [depth]}}]\n",
+        "3:25",
+        "a .png holds the picture only",
+        schema=False,
+    ),
+    "file twice": Mistake(
+        f"{E3}outputs: [file: x.png, file: X.png]\n",
+        "3:30",
+        "'X.png' is the file of output 1 already",
+        schema=False,
+    ),
+    # Params
+    "unknown param": Mistake(
+        an_object("ball: {radius: $rr}") + "params: {r: 1}\n",
+        "3:20",
+        "unknown name '$rr'",
+        "did you mean '$r'?",
+        schema=False,
+    ),
+    "param without params": Mistake(
+        an_object("ball: {radius: $r}"), "3:20", "unknown name '$r'", "add 'params: {r: ...}'", schema=False
+    ),
+    "unused param": Mistake(
+        f"{E3}params: {{r: 1}}\n", "3:10", "the param 'r' is not used", "write $r", schema=False
+    ),
+    "param of the wrong kind": Mistake(
+        an_object("ball: {radius: $r}") + "params: {r: big}\n",
+        "3:20",
+        "expected a number, found 'big' (here $r is big)",
+        schema=False,
+    ),
+    "list for a param": Mistake(
+        an_object("ball: {radius: $r}") + "params: {r: [1]}\n",
+        "4:13",
+        "a param is one number or one text, found a list",
+    ),
+    "param of a param": Mistake(
+        an_object("{ball: {radius: $r}, name: $q}") + "params: {r: 1, q: $r}\n",
+        "4:19",
+        "a param cannot refer to another param",
+    ),
+    "name of a param": Mistake(
+        f"{E3}params: {{a-b: 1}}\n", "3:10", "'a-b' cannot be a name", "letters, digits or _"
+    ),
+    # Manifolds
+    "misspelt manifold": Mistake(
+        f"{H3}manifold: seifert-wber\n",
+        "3:11",
+        "h3 has no manifold",
+        "did you mean 'seifert-weber'?",
+        schema=False,
+    ),
+    "manifold of another geometry": Mistake(
+        f"{H3}manifold: poincare\n",
+        "3:11",
+        "h3 has no manifold 'poincare'",
+        "has the geometry s3",
+        schema=False,
+    ),
+    "number for a manifold": Mistake(
+        f"{H3}manifold: 3\n", "3:11", "expected the name of a manifold, found 3"
+    ),
+    "no isometry": Mistake(
+        by_matrices(
+            f"[{SHIFT}, {BACK.replace('[0, 1, 0, 0]', '[0, 2, 0, 0]')}]",
+            "[[1, 0, 0, -0.5], [-1, 0, 0, -0.5]]",
+        ),
+        "4:75",
+        "generator 2 is not an isometry of e3",
+        schema=False,
+    ),
+    "wall that does not fit": Mistake(
+        by_matrices(f"[{SHIFT}, {BACK}]", "[[1, 0, 0, -0.5], [-1, 0, 0, -0.6]]"),
+        "5:12",
+        "half-space 1",
+        schema=False,
+    ),
+    "walls and generators": Mistake(
+        by_matrices(f"[{SHIFT}, {BACK}]", "[[1, 0, 0, -0.5]]"),
+        "5:11",
+        "2 generators for 1 walls",
+        schema=False,
+    ),
+    "three rows": Mistake(
+        by_matrices("[[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]]", "[[1, 0, 0, -0.5]]"),
+        "4:16",
+        "expected a matrix of 4 rows with 4 numbers each, found 3 rows",
+    ),
+    "three numbers in a row": Mistake(
+        by_matrices("[[[1, 0, 0, 0], [0, 1, 0], [0, 0, 1, 0], [0, 0, 0, 1]]]", "[[1, 0, 0, -0.5]]"),
+        "4:31",
+        "expected 4 numbers [x, y, z, w], found 3",
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def validator() -> jsonschema.Draft7Validator:
+    return jsonschema.Draft7Validator(scene_schema())
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_mistake(name: str, validator: jsonschema.Draft7Validator) -> None:
+    mistake = MISTAKES[name]
+    with pytest.raises(SceneReport) as caught:
+        load_text(mistake.text, "scene.yaml")
+    assert len(caught.value.diagnostics) == 1, str(caught.value)
+    found = caught.value.diagnostics[0]
+    assert mistake.message in found.message
+    assert mistake.help in (found.help or "")
+    assert f"{found.line}:{found.column}" == mistake.at
+    assert str(caught.value).startswith(f"scene.yaml:{mistake.at}: error: {found.message}\n")
+    assert str(caught.value).endswith("\n1 error in scene.yaml")
+    assert validator.is_valid(parse(mistake.text).data) is not mistake.schema
+
+
+def test_many_mistakes_are_counted_and_cut() -> None:
+    text = "geometry: e3\nobjects:\n" + "  - ball: {radius: 0}\n" * 150
+    with pytest.raises(SceneReport) as caught:
+        load_text(text, "scene.yaml")
+    assert len(caught.value.diagnostics) == 150
+    assert str(caught.value).count(": error: ") == 100
+    assert str(caught.value).endswith("150 errors in scene.yaml (the first 100 are shown)")
+
+
+def test_caret_below_wide_characters_and_tabs() -> None:
+    with pytest.raises(SceneReport) as caught:
+        load_text('geometry: e3\nobjects: [{name: "漢字",\tball: {radius: x}}]\n', "scene.yaml")
+    line, caret = str(caught.value).split("\n")[1:3]
+    # Each of the two characters covers two cells of a terminal, and the tab stays a tab.
+    column = line.index("x}")
+    assert (
+        caret
+        == "      | "
+        + " " * (line.index("漢") - 8)
+        + "    "
+        + "  \t"
+        + " " * (column - line.index("\t") - 1)
+        + "^"
+    )
+
+
+def test_long_lines_are_cut_around_the_caret() -> None:
+    items = ", ".join(f"{{ball: {{radius: {'x' if k == 50 else 1}}}}}" for k in range(100))
+    with pytest.raises(SceneReport) as caught:
+        load_text(f"geometry: e3\nobjects: [{items}]\n", "scene.yaml")
+    line, caret = str(caught.value).split("\n")[1:3]
+    assert len(line) < 130
+    assert line[caret.index("^")] == "x"
+
+
+def test_terminal_commands_are_not_passed_on() -> None:
+    with pytest.raises(SceneReport) as caught:
+        load_text("geometry: e3\ntitle: \x1b[31mred\n", "scene.yaml")
+    assert "scene.yaml:2:8: error: the character U+001B may not stand here" in str(caught.value)
+    assert "\x1b" not in str(caught.value)

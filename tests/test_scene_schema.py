@@ -1,0 +1,225 @@
+"""The models: values, defaults and the agreement of loader and JSON Schema on scenes that nobody wrote."""
+
+import copy
+import json
+import math
+import random
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pydantic
+import pytest
+
+from thurston_cl.errors import SceneError
+from thurston_cl.scene import load_scene, load_text, scene_schema
+from thurston_cl.scene.parse import parse
+from thurston_cl.scene.schema import Camera, Color, Material, ModelPoint, Object, Pattern, Step
+
+SCENES = Path(__file__).parent / "data" / "scenes"
+MINIMAL = "geometry: {geometry}\nobjects: [{{ball: {{radius: 1}}}}]\n"
+
+
+def scene_of(text: str, geometry: str = "e3") -> Any:
+    """A scene of one ball with more text."""
+    return load_text(MINIMAL.format(geometry=geometry) + text)
+
+
+def test_defaults() -> None:
+    scene = scene_of("")
+    assert scene.thurston == 1
+    assert scene.manifold is None
+    assert scene.lattice is None
+    assert scene.camera == Camera()
+    assert math.degrees(scene.camera.fov) == pytest.approx(80, abs=1e-12)
+    assert scene.camera.look.along == (1, 0, 0)
+    assert scene.camera.look.up == (0, 0, 1)
+    assert scene.lights == ()
+    assert scene.effects.fog is None
+    assert scene.background.linear == (0, 0, 0)
+    assert scene.render.size == (960, 540)
+    assert scene.render.far is None
+    assert scene.objects[0].kind == "ball"
+    assert scene.objects[0].shape.radius == 1
+    assert scene.objects[0].at == (0, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("written", "linear"),
+    [
+        # IEC 61966-2-1, worked out by hand: 0x80 and 0x0a on either side of the bend of the curve.
+        ('"#000000"', (0, 0, 0)),
+        ('"#fff"', (1, 1, 1)),
+        ('"#80800a"', (0.21586050, 0.21586050, 0.0030352698)),
+        ('"#0b0a80"', (0.0033465358, 0.0030352698, 0.21586050)),
+        ("red", (1, 0, 0)),
+        ("purple", (0.21586050, 0, 0.21586050)),
+        ("[0.25, 2, 0]", (0.25, 2, 0)),
+    ],
+)
+def test_colors(written: str, linear: tuple[float, float, float]) -> None:
+    scene = scene_of(f"background: {written}\n")
+    assert isinstance(scene.background, Color)
+    assert scene.background.linear == pytest.approx(linear, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("written", "degrees"),
+    [("90 deg", 90), ("1.5rad", math.degrees(1.5)), (".125 turn", 45), (" 1e1 deg ", 10)],
+)
+def test_angles(written: str, degrees: float) -> None:
+    scene = scene_of(f"camera: {{fov: '{written}'}}\n")
+    assert math.degrees(scene.camera.fov) == pytest.approx(degrees, rel=1e-14)
+
+
+def test_points() -> None:
+    camera = scene_of("camera: {at: [1, 2, 3], look: {to: {model: [1, 0, 0, 1]}}}\n").camera
+    assert camera.at == (1.0, 2.0, 3.0)
+    assert camera.look.to == ModelPoint(model=(1, 0, 0, 1))
+
+
+def test_steps_keep_their_order() -> None:
+    move = scene_of("camera: {move: [{yaw: -90 deg}, {forward: 2}, {up: 0}]}\n").camera.move
+    assert [(step.kind, step.amount) for step in move] == [
+        ("yaw", -math.pi / 2),
+        ("forward", 2.0),
+        ("up", 0.0),
+    ]
+    assert all(isinstance(step, Step) for step in move)
+
+
+def test_solids() -> None:
+    thing = load_text(
+        "geometry: e3\nobjects: [{difference: [{ball: {radius: 1}}, {complement: {half-space: {}}, at: [1, 0, 0]}]}]\n"
+    ).objects[0]
+    assert isinstance(thing, Object)
+    assert thing.kind == "difference"
+    assert [member.kind for member in thing.shape] == ["ball", "complement"]
+    assert thing.shape[1].shape.kind == "half-space"
+    assert thing.shape[1].at == (1, 0, 0)
+
+
+def test_one_rotation_or_many() -> None:
+    def turned(text: str) -> Any:
+        return (
+            load_text(f"geometry: e3\nobjects: [{{ball: {{radius: 1}}, rotate: {text}}}]\n").objects[0].rotate
+        )
+
+    one = "{axis: [0, 0, 1], angle: 90 deg}"
+    assert turned(one) == turned(f"[{one}]")
+    assert len(turned(f"[{one}, {one}]")) == 2
+
+
+def test_weights_of_a_material_add_up() -> None:
+    assert Material().diffuse == pytest.approx(0.7)
+    assert Material(ambient=0, specular=0).diffuse == 1
+    assert Material(ambient=0.3, specular=0.7).diffuse == pytest.approx(0, abs=1e-15)
+    with pytest.raises(pydantic.ValidationError, match="more than 1"):
+        Material(ambient=0.5, specular=0.6)
+
+
+def test_materials_and_textures_are_put_in() -> None:
+    scene = load_text(
+        "geometry: e3\n"
+        "textures: {t: {grid: {count: 3}}}\n"
+        "materials: {m: {color: $textures.t}}\n"
+        "objects: [{ball: {radius: 1}, material: m}, {ball: {radius: 1}, material: {color: $textures.t}}]\n"
+    )
+    paint = scene.objects[0].material.color
+    assert isinstance(paint, Pattern)
+    assert paint.grid is not None
+    assert paint.grid.count == (3, 3)
+    assert scene.objects[0].material == scene.objects[1].material == scene.materials["m"]
+
+
+def test_light_counts_follow_geometry_and_manifold() -> None:
+    light = "lights: [point: {at: [0.1, 0, 0]}]\n"
+    assert scene_of(light).lights[0].point.geodesics == 1
+    assert scene_of(light).lights[0].point.translates == 1
+    sphere = scene_of(f"manifold: quaternion\n{light}", "s3").lights[0].point
+    assert (sphere.geodesics, sphere.translates) == (2, "neighbours")
+    one = scene_of("manifold: quaternion\nlights: [point: {at: [0.1, 0, 0], translates: cell}]\n", "s3")
+    assert one.lights[0].point.translates == 1
+
+
+def test_lattices() -> None:
+    assert scene_of("manifold: Seifert_Weber\n", "h3").lattice.name == "seifert-weber"
+    assert len(load_scene(SCENES / "good-matrices.yaml").lattice.walls) == 2
+
+
+def test_scenes_are_frozen() -> None:
+    scene = scene_of("")
+    with pytest.raises(pydantic.ValidationError, match="frozen"):
+        scene.title = "other"
+
+
+def test_errors_after_loading_point_at_the_text() -> None:
+    scene = load_scene(SCENES / "good-spherical.yaml")
+    error = scene.error_at(("objects", 1, "cylinder", "radius"), "the camera is inside", "move it")
+    assert isinstance(error, SceneError)
+    assert ":6:24: error: the camera is inside\n    6 |   - cylinder: {radius: 1.57}\n" in str(error)
+    assert "= help: move it" in str(error)
+    problems = scene.problems()
+    problems.raise_if_any()
+    problems.add(("objects", 2), "one")
+    problems.add(("camera", "at"), "two", key=True)
+    problems.add(("render", "far"), "nowhere, so at the top")
+    with pytest.raises(SceneError) as caught:
+        problems.raise_if_any()
+    found = [(d.line, d.column, d.message) for d in caught.value.diagnostics]  # type: ignore[attr-defined]
+    assert found == [(2, 1, "nowhere, so at the top"), (3, 10, "two"), (7, 5, "one")]
+
+
+def test_errors_of_a_scene_made_in_python() -> None:
+    scene = type(scene_of("")).model_validate({"geometry": "e3", "objects": [{"ball": {"radius": 1}}]})
+    assert str(scene.error_at(("objects",), "no")) == "scene: error: no\n1 error in scene"
+
+
+def test_what_the_loader_takes_the_schema_takes() -> None:
+    """Good scenes with a value exchanged for another: what loads is valid, and most of the rest is not."""
+    validator = jsonschema.Draft7Validator(scene_schema())
+    source = random.Random(2)
+    values = [
+        0,
+        1,
+        2.5,
+        -1,
+        True,
+        "red",
+        "90 deg",
+        "$r",
+        "$textures.tiles",
+        "tiled",
+        [],
+        [1, 0, 0],
+        {},
+        "cell",
+        "x.exr",
+    ]
+    both_refuse = only_loader_refuses = taken = 0
+    for name in ("good-hyperbolic", "good-spherical", "good-matrices"):
+        original = parse((SCENES / f"{name}.yaml").read_text()).data
+        for _ in range(150):
+            data = copy.deepcopy(original)
+            container, key = source.choice(list(_slots(data)))
+            container[key] = source.choice(values)
+            try:
+                load_text(json.dumps(data))
+            except SceneError:
+                if validator.is_valid(data):
+                    only_loader_refuses += 1
+                else:
+                    both_refuse += 1
+            else:
+                taken += 1
+                assert validator.is_valid(data), (key, container[key])
+    assert taken > 20
+    assert both_refuse > 5 * only_loader_refuses
+
+
+def _slots(value: Any) -> Any:
+    """Every (container, key) inside nested dicts and lists."""
+    for key in value if isinstance(value, dict) else range(len(value)):
+        yield value, key
+        if isinstance(value[key], (dict, list)):
+            yield from _slots(value[key])
