@@ -1,20 +1,19 @@
-"""What lanes, refilling and precision cost or gain, as ratios within one run. Machines are shared: trust the ratios.
+"""What lanes, refilling and precision cost or gain, as ratios within one run. Machines are shared: trust the
+ratios.
 
-Run with `make bench`, or `python benchmarks/bench.py --repeat 9` for quieter medians. Times are processor time of all
-cores together (core-ms), of tracing and shading one sample of every pixel; a kernel's first run is not counted.
+Run with `make bench`, or `python benchmarks/bench.py --repeat 9` for quieter medians. Times are processor
+time of all cores together (core-ms), of tracing and shading one sample of every pixel; a kernel's first run
+is not counted.
 """
 
 import argparse
 import json
-import resource
 import statistics
 import subprocess
 import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
-
-import numpy as np
 
 from thurston_cl import device as devices
 from thurston_cl.device import Device
@@ -40,8 +39,8 @@ class Contender:
         before = time.process_time()
         steps = 0.0
         for tile in tiles((0, 0, *self.size), self.renderer.side):
-            values = self.renderer.run(tile, sample_shifts(1), lambda: None)
-            steps += float(values[3:5].sum(dtype=np.float64))
+            _, counts = self.renderer.run(tile, sample_shifts(1), ["beauty"])
+            steps += counts["steps"] + counts["shadow_steps"]
         self.seconds.append(time.process_time() - before)
         self.steps = steps
 
@@ -82,8 +81,8 @@ def ideal_cube(device: Device, repeat: int) -> None:
     each = contender(device, "ideal-cube.yaml", "", "single", lanes, "auto")
     black = 0
     for tile in tiles((0, 0, *each.size), each.renderer.side):
-        values = each.renderer.run(tile, sample_shifts(1), lambda: None)
-        black += int((values[:3].max(axis=0) <= 0).sum())
+        channels, _ = each.renderer.run(tile, sample_shifts(1), ["beauty"])
+        black += int((channels["beauty"].max(axis=2) <= 0).sum())
     print(f"\nideal cube, 512 x 512, at most 100 steps: {black} black pixels, finish {each.renderer.finish}")
 
 

@@ -26,18 +26,20 @@
 #define FIRST_OBJECT 13
 #define FIRST_CELL 14
 
-// The place of a tile in the picture and of the sample in its pixel.
-#define TILE int left, int top, int width, scalar shift_x, scalar shift_y
-#define TILE_ARGUMENTS left, top, width, shift_x, shift_y
+// The place of a tile in the picture, its width with padding, and the place of the sample in its pixel. Pixels of the padding,
+// from `right` and `bottom` on, are not marched.
+#define TILE int left, int top, int right, int bottom, int width, scalar shift_x, scalar shift_y
+#define TILE_ARGUMENTS left, top, right, bottom, width, shift_x, shift_y
 
 FN ray start(lane_int id, scene_data scene, TILE)
 {
   lane_int inner_id = id & 15, block = id >> 4;
   int blocks = width >> 2;
   lane_int row = block / blocks, column = block - row * blocks;
-  real x = TO_REAL(column * 4 + (inner_id & 3) + left) + REAL(shift_x);
-  real y = TO_REAL(row * 4 + (inner_id >> 2) + top) + REAL(shift_y);
-  return view_ray(x, y, scene);
+  real x = TO_REAL(column * 4 + (inner_id & 3) + left), y = TO_REAL(row * 4 + (inner_id >> 2) + top);
+  ray r = view_ray(x + REAL(shift_x), y + REAL(shift_y), scene);
+  r.active &= (x < REAL(right)) & (y < REAL(bottom));
+  return r;
 }
 
 FN real end_of(ray r, mask out_of_steps) { return SELECT(r.hit, REAL(1), SELECT(out_of_steps, REAL(2), REAL(0))); }
@@ -75,8 +77,8 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
   id.lanes = first + LANE_IDS;
   ray r = start(id.lanes, scene, TILE_ARGUMENTS);
   mask_lanes owns, ended;
-  owns.lanes = r.active;
-  mask out_of_steps = NOT(r.active);
+  owns.lanes = r.t == r.t;
+  mask out_of_steps = NOT(owns.lanes);
   real age = REAL(0);
   for (;;) {
     r = march_step(r, number(scene, FAR), scene);
@@ -104,10 +106,10 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
       r.steps = SELECT(fresh, REAL(0), r.steps);
       r.cell = SELECT(fresh, begun.cell, r.cell);
       r.hit &= NOT(fresh);
+      r.active = (fresh & begun.active) | (NOT(fresh) & r.active);
       out_of_steps &= NOT(fresh);
       age = SELECT(fresh, REAL(0), age);
     }
-    r.active |= fresh;
   }
 }
 

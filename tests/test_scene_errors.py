@@ -1,4 +1,4 @@
-"""Every mistake we know of, one at a time: its place, message and cure, and whether the JSON Schema sees it."""
+"""Every mistake we know of, one at a time: its place, message, cure, and whether the JSON Schema sees it."""
 
 from dataclasses import dataclass
 

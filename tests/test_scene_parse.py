@@ -8,7 +8,8 @@ import pytest
 
 from thurston_cl.errors import SceneError
 from thurston_cl.scene import load_text
-from thurston_cl.scene.parse import MAX_NODES, Document, parse
+from thurston_cl.scene import parse as parser
+from thurston_cl.scene.parse import Document, parse
 
 SCENES = Path(__file__).parent / "data" / "scenes"
 
@@ -138,13 +139,12 @@ def test_alias_bomb_is_never_built() -> None:
     assert document.data["a9"] == [None] * 9
 
 
-def test_number_of_values() -> None:
-    def flat(count: int) -> str:
-        return "[" + "1," * count + "]"
-
+def test_number_of_values(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert parser.MAX_NODES == 200_000
+    monkeypatch.setattr(parser, "MAX_NODES", 100)
     # The list itself is a value, too.
-    assert parse(flat(MAX_NODES - 1)).mistakes == []
-    assert [m.message for m in parse(flat(MAX_NODES)).mistakes] == ["the scene has more than 200000 values"]
+    assert parse("[" + "1," * 99 + "]").mistakes == []
+    assert messages(parse("[" + "1," * 100 + "]")) == ["1:200: the scene has more than 100 values"]
 
 
 def test_places() -> None:

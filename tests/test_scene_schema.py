@@ -90,7 +90,8 @@ def test_steps_keep_their_order() -> None:
 
 def test_solids() -> None:
     thing = load_text(
-        "geometry: e3\nobjects: [{difference: [{ball: {radius: 1}}, {complement: {half-space: {}}, at: [1, 0, 0]}]}]\n"
+        "geometry: e3\n"
+        "objects: [{difference: [{ball: {radius: 1}}, {complement: {half-space: {}}, at: [1, 0, 0]}]}]\n"
     ).objects[0]
     assert isinstance(thing, Object)
     assert thing.kind == "difference"
@@ -157,7 +158,7 @@ def test_errors_after_loading_point_at_the_text() -> None:
     scene = load_scene(SCENES / "good-spherical.yaml")
     error = scene.error_at(("objects", 1, "cylinder", "radius"), "the camera is inside", "move it")
     assert isinstance(error, SceneError)
-    assert ":6:24: error: the camera is inside\n    6 |   - cylinder: {radius: 1.57}\n" in str(error)
+    assert ":7:24: error: the camera is inside\n    7 |   - cylinder: {radius: 1.57}\n" in str(error)
     assert "= help: move it" in str(error)
     problems = scene.problems()
     problems.raise_if_any()
@@ -167,7 +168,7 @@ def test_errors_after_loading_point_at_the_text() -> None:
     with pytest.raises(SceneError) as caught:
         problems.raise_if_any()
     found = [(d.line, d.column, d.message) for d in caught.value.diagnostics]  # type: ignore[attr-defined]
-    assert found == [(2, 1, "nowhere, so at the top"), (3, 10, "two"), (7, 5, "one")]
+    assert found == [(2, 1, "nowhere, so at the top"), (3, 10, "two"), (8, 5, "one")]
 
 
 def test_errors_of_a_scene_made_in_python() -> None:
@@ -199,7 +200,7 @@ def test_what_the_loader_takes_the_schema_takes() -> None:
     both_refuse = only_loader_refuses = taken = 0
     for name in ("good-hyperbolic", "good-spherical", "good-matrices"):
         original = parse((SCENES / f"{name}.yaml").read_text()).data
-        for _ in range(150):
+        for _ in range(60):
             data = copy.deepcopy(original)
             container, key = source.choice(list(_slots(data)))
             container[key] = source.choice(values)
@@ -213,7 +214,7 @@ def test_what_the_loader_takes_the_schema_takes() -> None:
             else:
                 taken += 1
                 assert validator.is_valid(data), (key, container[key])
-    assert taken > 20
+    assert taken > 10
     assert both_refuse > 5 * only_loader_refuses
 
 

@@ -59,7 +59,8 @@ def computer(tmp_path: Path) -> Computer:
 
 PIP_INSTALL = "python -m pip install --quiet pocl-binary-distribution"
 PIP_UNINSTALL = "python -m pip uninstall --quiet --yes pocl-binary-distribution"
-APT = ["apt-get update -qq", "apt-get install -y -qq --no-install-recommends pocl-opencl-icd"]
+INSTALL = "apt-get install -y -qq --no-install-recommends"
+APT = ["apt-get update -qq", f"{INSTALL} pocl-opencl-icd"]
 
 
 def pip(computer: Computer, effect: str) -> None:
@@ -117,7 +118,7 @@ def test_sudo_where_not_root(computer: Computer) -> None:
     assert computer.run("ensure_opencl.sh").returncode == 0
     assert [call for call in computer.calls() if call.startswith("sudo")] == [
         "sudo apt-get update -qq",
-        "sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends pocl-opencl-icd",
+        f"sudo env DEBIAN_FRONTEND=noninteractive {INSTALL} pocl-opencl-icd",
     ]
 
 
@@ -236,7 +237,7 @@ def test_missing_venv_package_comes_from_apt(bare: Computer) -> None:
     apt(bare, f"touch {bare.folder}/ensurepip")
     done = bare.run("ensure_venv.sh")
     assert done.returncode == 0, done.stderr
-    assert "apt-get install -y -qq --no-install-recommends python3.11-venv" in bare.calls()
+    assert f"{INSTALL} python3.11-venv" in bare.calls()
     assert (bare.venv / "bin" / "python").exists()
 
 

@@ -4,7 +4,8 @@ import datetime
 import json
 import platform
 import time
-from collections.abc import Callable, Collection, Iterator
+import warnings
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
@@ -37,14 +38,15 @@ REFILL_ITEMS = 8
 # Below this share of lanes doing work in trace_packet, trace_refill is faster. `make bench` measures both.
 REFILL_BELOW_UTILISATION = 0.6
 
-# What the kernels count, per pixel, over all samples: the channels 3 to 7 of render.cl.
-COUNTS = ("steps", "shadow_steps", "hits", "nan", "out_of_steps")
-_CHANNEL_PLACES = {
-    "depth": slice(8, 9),
-    "normal": slice(9, 12),
-    "steps": slice(12, 13),
-    "object": slice(13, 14),
-    "cell": slice(14, 15),
+# The channels of a tile in render.cl: what is counted per pixel over all samples, and where the others stand.
+COUNTS = {"steps": 3, "shadow_steps": 4, "hits": 5, "nan": 6, "out_of_steps": 7}
+_PLACES = {
+    "beauty": (0, 1, 2),
+    "depth": (8,),
+    "normal": (9, 10, 11),
+    "steps": (12,),
+    "object": (13,),
+    "cell": (14,),
 }
 _TILE_CHANNELS = 15
 _RECORD_COMPONENTS = 12
@@ -84,6 +86,8 @@ def render(
     whole = size or settings.size
     area = _checked_crop(crop, whole)
     plan = make_plan(scene, device=chosen, size=whole, channels=channels)
+    for message in plan.warnings:
+        warnings.warn(message, stacklevel=2)
     renderer = TileRenderer(
         plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish or settings.finish
     )
@@ -195,6 +199,7 @@ class TileRenderer:
         }
         self._side = TILE_SIDE.get(device.info.kind, TILE_SIDE_ELSEWHERE)
         self._room = 0
+        self._looked = False
 
     @property
     def side(self) -> int:
@@ -202,39 +207,40 @@ class TileRenderer:
         return self._side
 
     def run(
-        self, tile: Tile, shifts: NDArray[np.float64], after_sample: Callable[[], None]
-    ) -> NDArray[np.floating]:
-        """All channels of a tile (channels, height, width), its samples summed or taken first; see
-        render.cl.
+        self,
+        tile: Tile,
+        shifts: NDArray[np.float64],
+        channels: Collection[str],
+        after_sample: Callable[[], None] = lambda: None,
+    ) -> tuple[dict[str, NDArray[np.floating]], dict[str, float]]:
+        """Trace and shade all samples of a tile.
+
+        Returns its channels, (height, width) or (height, width, 3), beauty summed over the samples and the
+        others of the first one; and the counts of `COUNTS`, over all samples.
         """
         import pyopencl as cl
 
         self._make_room(tile.pixels)
+        stride = np.int32(tile.pixels)
         for sample, shift in enumerate(shifts):
             self._trace(tile, shift)
-            self._launch(
-                "shade",
-                tile.pixels // self.lanes,
-                LOCAL_SIZE,
-                self._records,
-                self._pixels,
-                np.int32(tile.pixels),
-                np.int32(sample),
-            )
+            items = tile.pixels // self.lanes
+            self._launch("shade", items, LOCAL_SIZE, self._records, self._pixels, stride, np.int32(sample))
             after_sample()
-        result = np.empty((_TILE_CHANNELS, tile.pixels), self.dtype)
-        cl.enqueue_copy(self.device.queue, result, self._pixels)
-        return _unblock(result, tile)
+        shape = (_TILE_CHANNELS, tile.pixels)
+        values, _ = cl.enqueue_map_buffer(
+            self.device.queue, self._pixels, cl.map_flags.READ, 0, shape, self.dtype
+        )
+        with values.base:
+            counts = {name: float(values[place].sum(dtype=np.float64)) for name, place in COUNTS.items()}
+            found = {name: _unblock(values, _PLACES[name], tile) for name in channels}
+        return found, counts
 
     def trace(self, tile: Tile, shift: NDArray[np.float64], finish: str) -> None:
         """March the rays of one sample of a tile, without shading them."""
         self._make_room(tile.pixels)
-        place = (
-            np.int32(tile.left),
-            np.int32(tile.top),
-            np.int32(tile.padded[0]),
-            *(self.dtype.type(s) for s in shift),
-        )
+        corners = (tile.left, tile.top, tile.left + tile.width, tile.top + tile.height)
+        place = (*map(np.int32, corners), np.int32(tile.padded[0]), *map(self.dtype.type, shift))
         if finish == "packet":
             self._launch(
                 "trace_packet",
@@ -257,20 +263,29 @@ class TileRenderer:
             )
 
     def _trace(self, tile: Tile, shift: NDArray[np.float64]) -> None:
-        if self.finish != "auto":
+        if self._looked:
             self.trace(tile, shift, self.finish)
             return
-        # The first tile says how many lanes of a packet wait for the others.
-        self.trace(tile, shift, "packet")
-        self.finish = "refill" if self._utilisation(tile) < REFILL_BELOW_UTILISATION else "packet"
+        self._looked = True
+        self.trace(tile, shift, "packet" if self.finish == "auto" else self.finish)
+        t, steps = self._first_look(tile)
+        if self.finish == "auto":
+            # How many lanes of a packet wait for the others?
+            packets = steps.reshape(-1, self.lanes)
+            utilisation = steps.sum() / max(1.0, packets.max(axis=1).sum() * self.lanes)
+            self.finish = "refill" if utilisation < REFILL_BELOW_UTILISATION else "packet"
+        if np.all(t[steps > 0] == 0):
+            raise self.plan.scene.error_at(
+                ("camera",), "the camera is inside an object: no ray gets anywhere", "move it into the open"
+            )
 
-    def _utilisation(self, tile: Tile) -> float:
+    def _first_look(self, tile: Tile) -> NDArray[np.floating]:
+        """Arc length and steps (2, pixels) of the rays just traced: the first two components of the records."""
         import pyopencl as cl
 
-        steps = np.empty(tile.pixels, self.dtype)
-        cl.enqueue_copy(self.device.queue, steps, self._records, src_offset=tile.pixels * self.dtype.itemsize)
-        packets = steps.reshape(-1, self.lanes)
-        return float(steps.sum() / max(1.0, packets.max(axis=1).sum() * self.lanes))
+        result = np.empty((2, tile.pixels), self.dtype)
+        cl.enqueue_copy(self.device.queue, result, self._records)
+        return result
 
     def _chunk(self, pixels: int) -> int:
         chunk = REFILL_CHUNK
@@ -298,11 +313,15 @@ class TileRenderer:
             self._room = pixels
 
 
-def _unblock(values: NDArray[np.floating], tile: Tile) -> NDArray[np.floating]:
+def _unblock(values: NDArray[np.floating], places: Sequence[int], tile: Tile) -> NDArray[np.floating]:
     """Undo the 4x4 blocks in which the kernels number pixels, and cut off the padding."""
     width, height = tile.padded
-    blocks = values.reshape(-1, height // 4, width // 4, 4, 4)
-    return blocks.transpose(0, 1, 3, 2, 4).reshape(-1, height, width)[:, : tile.height, : tile.width]
+    rows = [
+        values[place].reshape(height // 4, width // 4, 4, 4).transpose(0, 2, 1, 3).reshape(height, width)
+        for place in places
+    ]
+    picture = rows[0] if len(rows) == 1 else np.stack(rows, axis=2)
+    return picture[: tile.height, : tile.width]
 
 
 def _render_tiles(
@@ -333,18 +352,13 @@ def _render_tiles(
             progress(done, total)
 
     for tile in all_tiles:
-        values = renderer.run(tile, shifts, after_sample)
+        found, tile_counts = renderer.run(tile, shifts, channels, after_sample)
         rows = slice(tile.top - area[1], tile.top - area[1] + tile.height)
         columns = slice(tile.left - area[0], tile.left - area[0] + tile.width)
-        for name, count in zip(COUNTS, values[3:8].sum(axis=(1, 2), dtype=np.float64), strict=True):
-            counts[name] += round(float(count))
-        for name, channel in result.items():
-            if name == "beauty":
-                channel[rows, columns] = np.moveaxis(values[0:3] / samples, 0, 2)
-            elif name == "normal":
-                channel[rows, columns] = np.moveaxis(values[_CHANNEL_PLACES[name]], 0, 2)
-            else:
-                channel[rows, columns] = values[_CHANNEL_PLACES[name]][0]
+        for name, count in tile_counts.items():
+            counts[name] += round(count)
+        for name, values in found.items():
+            result[name][rows, columns] = values / samples if name == "beauty" else values
     statistics: dict[str, Any] = {
         "rays": width * height * samples,
         **counts,
