@@ -47,8 +47,6 @@ def command(
     plan = make_plan(loaded, device=chosen)
     lanes = chosen.info.lane_width(arithmetic)
     options = plan.source.options(arithmetic, lanes)
-    for warning in plan.warnings:
-        click.echo(f"thurston: warning: {warning}", err=True)
     rows = {
         **plan.explain(),
         "device": f"{chosen.info.id} {chosen.info.name}",

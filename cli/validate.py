@@ -11,11 +11,19 @@ import click
 from thurston_cl.errors import MissingFileError, SceneError
 from thurston_cl.scene import Scene, load_scene
 
+from .options import parse_define
+
 
 @click.command()
 @click.argument("scenes", nargs=-1, required=True, metavar="SCENE...")
 @click.option(
-    "-D", "defines", multiple=True, metavar="NAME=VALUE", help="Give a param of the scenes another value."
+    "-D",
+    "--define",
+    "defines",
+    type=parse_define,
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Give a param of the scenes another value.",
 )
 @click.option(
     "--set", "sets", multiple=True, metavar="KEY=VALUE", help="Change a key, such as render.samples=16."
@@ -25,7 +33,7 @@ from thurston_cl.scene import Scene, load_scene
 def command(
     ctx: click.Context,
     scenes: tuple[str, ...],
-    defines: tuple[str, ...],
+    defines: tuple[tuple[str, str], ...],
     sets: tuple[str, ...],
     as_json: bool,
 ) -> None:
@@ -35,20 +43,12 @@ def command(
 
     Exit code 65 if any scene is wrong, else 66 if any is missing.
     """
-    values = dict(_definition(text) for text in defines)
-    answers = [_check(name, values, sets, quiet=as_json) for name in scenes]
+    answers = [_check(name, dict(defines), sets, quiet=as_json) for name in scenes]
     if as_json:
         click.echo(json.dumps({"scenes": [answer for answer, _ in answers]}, indent=2))
     codes = {code for _, code in answers}
     # A wrong scene can be mended here and now, so it is the more urgent news.
     ctx.exit(min(codes - {0}, default=0))
-
-
-def _definition(text: str) -> tuple[str, str]:
-    name, equals, value = text.partition("=")
-    if not equals or not name:
-        raise click.BadParameter(f"'{text}' is not NAME=VALUE", param_hint="-D")
-    return name, value
 
 
 def _check(

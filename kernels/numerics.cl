@@ -31,7 +31,7 @@ __kernel void numerics_flow(ARRAYS)
 {
   point base = get_4(0, in, stride);
   direction u = get_3(4, in, stride);
-  point reached = exponential(u, component(7, in, stride), component(8, in, stride));
+  point reached = exponential(&u, component(7, in, stride), component(8, in, stride));
   put_4(translate(base, reached), 0, out, stride);
   put_3(turn_frame(base, reached, u), 4, out, stride);
 }
@@ -39,10 +39,13 @@ __kernel void numerics_flow(ARRAYS)
 // base 0-3, direction 4-6, time 7, time_tail 8 -> the matrix of parallel transport between the frames, row by row 0-8
 __kernel void numerics_transport(ARRAYS)
 {
-  point base = get_4(0, in, stride), reached = exponential(get_3(4, in, stride), component(7, in, stride), component(8, in, stride));
+  point base = get_4(0, in, stride);
+  direction u = get_3(4, in, stride), arriving = u;
+  real t = component(7, in, stride), tail = component(8, in, stride);
+  point reached = exponential(&arriving, t, tail);
   for (int k = 0; k < 3; k++) {
     direction e = {REAL(k == 0), REAL(k == 1), REAL(k == 2)};
-    direction column = turn_frame(base, reached, e);
+    direction column = turn_frame(base, reached, transport(u, t, tail, e));
     put(column.x, k, out, stride);
     put(column.y, 3 + k, out, stride);
     put(column.z, 6 + k, out, stride);

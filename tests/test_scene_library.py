@@ -163,7 +163,7 @@ def test_validate_with_options(shelf: Path) -> None:
     )
     usage = thurston("validate", "plain", "-D", "x")
     assert usage.exit_code == 2
-    assert "'x' is not NAME=VALUE" in usage.stderr
+    assert "'x' is not of the form NAME=VALUE" in usage.stderr
     assert thurston("validate").exit_code == 2
 
 

@@ -39,6 +39,12 @@ def test_defines() -> None:
     assert scene.params == {"r": 0.5, "tint": "#fff", "view": "0.25 turn"}
 
 
+def test_defines_from_python_may_be_numbers() -> None:
+    scene = load_text(TEXT, "scene.yaml", {"r": 0.5})
+    assert scene.objects[0].shape.radius == 0.5
+    assert load_text(scene.effective_text()) == scene
+
+
 def test_define_in_quotes() -> None:
     assert load({"tint": "'red'"}).objects[0].material.color.linear == (1, 0, 0)
 
@@ -116,6 +122,7 @@ def test_param_whose_only_use_is_set_away() -> None:
         ("render.samples", "expected key=value", "for example --set render.samples=16"),
         ("render..samples=3", "expected key=value", "for example --set render.samples=16"),
         ("render.samples=", "the value is empty", None),
+        ("a." * 5000 + "b=1", "nested more than 40 deep", None),
         ("title=*x", "aliases (*x) are not allowed in a scene", "give the value a name"),
         ("title=[", "not valid YAML: the bracket that opens here is not closed", None),
         ("lights=[{point: {at: [0, 0]}}]", "expected 3 numbers [x, y, z], found 2", None),

@@ -13,8 +13,10 @@ import pytest
 
 from thurston_cl.errors import SceneError
 from thurston_cl.scene import load_scene, load_text, scene_schema
+from thurston_cl.scene.base import Node
 from thurston_cl.scene.parse import parse
-from thurston_cl.scene.schema import Camera, Color, Material, ModelPoint, Object, Pattern, Step
+from thurston_cl.scene.reference import models_of_scenes
+from thurston_cl.scene.schema import Camera, Color, Material, ModelPoint, Object, Pattern, Scene, Shape, Step
 
 SCENES = Path(__file__).parent / "data" / "scenes"
 MINIMAL = "geometry: {geometry}\nobjects: [{{ball: {{radius: 1}}}}]\n"
@@ -224,3 +226,18 @@ def _slots(value: Any) -> Any:
         yield value, key
         if isinstance(value[key], (dict, list)):
             yield from _slots(value[key])
+
+
+@pytest.mark.parametrize("model", models_of_scenes(), ids=lambda model: model.__name__)
+def test_examples_in_messages_are_right(model: type[Node]) -> None:
+    """What a message tells people to type must load."""
+    if not model.example or "..." in model.example:
+        return
+    data = parse(model.example).data
+    if isinstance(data, list):
+        data = data[0]
+    if not set(data) <= set(model.keys()) or (len(data) == 1 and issubclass(model, Shape)):
+        (data,) = data.values()
+    if model is Scene:
+        data["objects"] = [{"ball": {"radius": 1}}]
+    model.model_validate(data)

@@ -26,6 +26,10 @@ Array = NDArray[np.float64]
 MODEL_TOLERANCE = 1e-6
 
 
+# The origin of each model.
+ORIGIN = dict.fromkeys(GEOMETRIES, (0.0, 0.0, 0.0, 1.0))
+
+
 class Geometry:
     """One of Thurston's geometries on one OpenCL device.
 
@@ -143,13 +147,13 @@ class Geometry:
         t = _finite("time", time)
         if t.ndim > 1:
             raise ValueError(f"time has shape {t.shape}; expected (N,) or a number")
-        b = self._points("base", [0.0, 0.0, 0.0, 1.0] if base is None else base)
+        b = self._points("base", ORIGIN[self.name] if base is None else base)
         u, t2, b = _together(u, t.reshape(-1, 1), b)
         return u, t2[:, 0], b
 
     def _pair_with_tails(self, point: ArrayLike, base: ArrayLike | None) -> list[Array]:
         p = self._points("point", point)
-        b = self._points("base", [0.0, 0.0, 0.0, 1.0] if base is None else base)
+        b = self._points("base", ORIGIN[self.name] if base is None else base)
         b, p = _together(b, p)
         # The difference of nearby points is exact only with their tails.
         return [b, p, self._tail(b), self._tail(p)]
@@ -175,13 +179,7 @@ class Geometry:
         p = _rows(what, points, 4)
         if not p.size:
             return p
-        squares = (p[:, :3] ** 2).sum(axis=1)
-        w = p[:, 3]
-        defect, model = {
-            "e3": (np.abs(w - 1), "w = 1"),
-            "s3": (np.abs(squares + w**2 - 1), "x^2 + y^2 + z^2 + w^2 = 1"),
-            "h3": (np.abs(w - np.sqrt(1 + squares)) / np.sqrt(1 + squares), "w = sqrt(1 + x^2 + y^2 + z^2)"),
-        }[self.name]
+        defect, model = _off_model(self.name, p)
         if defect.max() > MODEL_TOLERANCE:
             worst = int(defect.argmax())
             raise ValueError(
@@ -194,8 +192,7 @@ class Geometry:
         return np.float64 if self.precision == "double" else np.float32
 
     def _run(self, name: str, arrays: Sequence[Array], outputs: int, *constants: int) -> Array:
-        """Run one kernel of numerics.cl over the concatenated components of `arrays`; returns (N, outputs).
-        """
+        """Run one kernel of numerics.cl over the concatenated components of `arrays`; returns (N, outputs)."""
         import pyopencl as cl
 
         count = arrays[0].shape[0]
@@ -216,6 +213,19 @@ class Geometry:
         cl.enqueue_nd_range_kernel(self.device.queue, kernel, (stride // self.lanes,), (LOCAL_SIZE,))
         cl.enqueue_copy(self.device.queue, result, target)
         return result[:, :count].T.astype(np.float64)
+
+
+def _off_model(geometry: str, p: Array) -> tuple[Array, str]:
+    """How far points (N,4) are off the model of a geometry (N,), and the equation of the model."""
+    x, y, z, w = p.T
+    match geometry:
+        case "e3":
+            return np.abs(w - 1), "w = 1"
+        case "s3":
+            return np.abs((p**2).sum(axis=1) - 1), "x^2 + y^2 + z^2 + w^2 = 1"
+        case _:
+            height = np.sqrt(1 + x**2 + y**2 + z**2)
+            return np.abs(w - height) / height, "w = sqrt(1 + x^2 + y^2 + z^2)"
 
 
 def _finite(what: str, values: ArrayLike) -> Array:

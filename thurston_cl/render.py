@@ -4,7 +4,6 @@ import datetime
 import json
 import platform
 import time
-import warnings
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -86,8 +85,6 @@ def render(
     whole = size or settings.size
     area = _checked_crop(crop, whole)
     plan = make_plan(scene, device=chosen, size=whole, channels=channels)
-    for message in plan.warnings:
-        warnings.warn(message, stacklevel=2)
     renderer = TileRenderer(
         plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish or settings.finish
     )

@@ -67,12 +67,16 @@ FN real curved_sine_of_sum(real t, real tail, real *cosine)
   return fma(c, tail, s);
 }
 
-// The endpoint of the geodesic from o with direction u after arc length t + tail.
-FN point exponential(direction u, real t, real tail)
+// The endpoint of the geodesic from o with direction *u after arc length t + tail; *u becomes the direction there, in the
+// frame there: here the same, since frames are carried along these geodesics.
+FN point exponential(direction *u, real t, real tail)
 {
   real c, s = curved_sine_of_sum(t, tail, &c);
-  return with_w(scale_3(u, s), c);
+  return with_w(scale_3(*u, s), c);
 }
+
+// Parallel transport of e along the same geodesic, from the frame at o to the frame at its end.
+FN direction transport(direction u, real t, real tail, direction e) { return e; }
 
 // The k-th geodesic from p to q, shortest first: its direction at p and its length. Tails are the low parts of p and q in
 // single precision (zero where there are none), so that differences of nearby points keep their digits.

@@ -91,7 +91,7 @@ class ExponentialFog(Node):
     """Fog that takes the same fraction of light on every unit of length."""
 
     what = "exponential fog"
-    example = "fog: {exponential: {density: 0.15}}"
+    example = "exponential: {density: 0.15}"
 
     density: Positive = Field(description="Light is dimmed by exp(−density · length).")
     color: ColorValue = Field(default=color("black"), description="What is seen where the fog is thick.")

@@ -21,7 +21,9 @@ from .source import SceneSource
 from .values import PARAM_PATTERN
 
 
-def load_scene(path: str | Path, defines: Mapping[str, str] | None = None, sets: Sequence[str] = ()) -> Scene:
+def load_scene(
+    path: str | Path, defines: Mapping[str, str | float] | None = None, sets: Sequence[str] = ()
+) -> Scene:
     """Read and check a scene.
 
     `path` is a file, the name of a library scene such as "h3/seifert-weber", or "-" for standard input.
@@ -43,7 +45,7 @@ def load_scene(path: str | Path, defines: Mapping[str, str] | None = None, sets:
 def load_text(
     text: str,
     name: str = "scene",
-    defines: Mapping[str, str] | None = None,
+    defines: Mapping[str, str | float] | None = None,
     sets: Sequence[str] = (),
     *,
     path: Path | None = None,

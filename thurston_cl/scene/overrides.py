@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from .diagnostics import Diagnostic
-from .parse import Document, Location, Place, parse, scalar
+from .parse import MAX_DEPTH, Document, Location, Place, parse, scalar
 from .suggest import did_you_mean, listing, nearest
 from .values import PARAM_PATTERN
 
@@ -24,13 +24,13 @@ class Overrides:
         self.diagnostics.append(Diagnostic(0, 0, message, help, origin))
 
 
-def read_overrides(defines: Mapping[str, str], sets: Sequence[str]) -> Overrides:
+def read_overrides(defines: Mapping[str, str | float], sets: Sequence[str]) -> Overrides:
     """Read the options by themselves; what is wrong with them stands in `diagnostics`."""
     overrides = Overrides()
     for name, text in defines.items():
         origin = f"-D {name}={text}"
         try:
-            value = _one_value(text)
+            value = _one_value(str(text))
         except ValueError as error:
             overrides.blame(origin, str(error))
         else:
@@ -40,6 +40,9 @@ def read_overrides(defines: Mapping[str, str], sets: Sequence[str]) -> Overrides
         origin = f"--set {text}"
         if not equals or not all(key.strip().split(".")):
             overrides.blame(origin, "expected key=value", "for example --set render.samples=16")
+            continue
+        if key.count(".") >= MAX_DEPTH:
+            overrides.blame(origin, f"nested more than {MAX_DEPTH} deep")
             continue
         # A color: to YAML, '#' would start a comment.
         value = Document(data=value_text, places={(): Place(None, (0, 0))})

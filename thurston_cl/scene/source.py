@@ -16,7 +16,7 @@ class SceneSource:
     path: Path | None = None  # None if the scene was read from a pipe or made in Python
     text: str = ""
     places: Mapping[Location, Place] = field(default_factory=dict)
-    defines: Mapping[str, str] = field(default_factory=dict)
+    defines: Mapping[str, str | float] = field(default_factory=dict)
     sets: tuple[str, ...] = ()
     substituted: Mapping[Location, str] = field(
         default_factory=dict

@@ -1,0 +1,227 @@
+"""OpenCL text for the objects of a scene: signed distance, surface and material."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thurston_cl.lattice.isometry import inverse, snap
+from thurston_cl.scene import schema
+from thurston_cl.scene.numbers import Numbers, components
+from thurston_cl.scene.placement import turn_to
+from thurston_cl.scene.writer import Writer
+
+Array = NDArray[np.float64]
+
+P = components("p")
+
+
+def write_objects(writer: Writer) -> None:
+    """Add the distance and the surface of all objects, in the cell and as seen over its walls."""
+    distances = []
+    surfaces = ["surface s;", "mask nearer;"]
+    for k, solid in enumerate(writer.scene.objects, start=1):
+        _check_tile(writer, solid, ("objects", k - 1))
+        text = _SolidText(writer, solid)
+        writer.function(f"real object_{k}_distance(point p, scene_data scene)", [f"return {text.distance};"])
+        writer.function(
+            f"surface object_{k}_surface(point p, scene_data scene)", [*text.lines, f"return {text.name};"]
+        )
+        material = _material(solid.material, writer.numbers, writer.parts, "s")
+        writer.function(
+            f"material object_{k}_material(surface s, scene_data scene)",
+            [f"material m = {material};", "return m;"],
+        )
+        distances.append(f"object_{k}_distance(p, scene)")
+        surfaces += [
+            f"s = object_{k}_surface(p, scene);",
+            "nearer = s.distance < best->distance;",
+            "*best = nearer_of(s, *best, nearer);",
+            f"*object = SELECT(nearer, REAL({k}), *object);",
+            f"*m = select_material(nearer, object_{k}_material(s, scene), *m);",
+        ]
+    total = distances[0]
+    for distance in distances[1:]:
+        total = f"fmin({total}, {distance})"
+    writer.function("real cell_distance(point p, scene_data scene)", [f"return {total};"])
+    writer.function(
+        "void cell_surface(point p, surface *best, real *object, material *m, scene_data scene)", surfaces
+    )
+    _write_over_walls(writer)
+
+
+def _write_over_walls(writer: Writer) -> None:
+    """The distance and the surface seen from a point: of the cell alone, or also of the cells behind its
+    walls.
+    """
+    distance = ["real distance = cell_distance(p, scene);"]
+    surface = [
+        "surface best = {REAL(INFINITY), {REAL(0), REAL(0), REAL(0), REAL(1)}, REAL(0), REAL(0)};",
+        "material none = {{REAL(0), REAL(0), REAL(0)}, REAL(0), REAL(0), REAL(0), REAL(0)};",
+        "*object = REAL(0);",
+        "*m = none;",
+        "cell_surface(p, &best, object, m, scene);",
+    ]
+    if writer.near_walls in ("neighbours", "both"):
+        assert writer.lattice is not None
+        maps, count = writer.numbers.add(writer.lattice.maps.ravel()), len(writer.lattice.maps)
+        loop = f"for (int wall = 0; wall < {count}; wall++) {{"
+        distance += [
+            loop,
+            f"  distance = fmin(distance, cell_distance(apply(scene, {maps} + 16 * wall, p), scene));",
+            "}",
+        ]
+        surface += [
+            "real seen_from = *cell;" if writer.cell_ids else "",
+            loop,
+            "  surface there = best;",
+            f"  cell_surface(apply(scene, {maps} + 16 * wall, p), &there, object, m, scene);",
+            "  mask nearer = there.distance < best.distance;",
+            f"  there.gradient = pull_back(scene, {maps} + 16 * wall, there.gradient);",
+            "  best = nearer_of(there, best, nearer);",
+            "  *cell = SELECT(nearer, cell_behind(seen_from, nearer, wall, scene), *cell);"
+            if writer.cell_ids
+            else "",
+            "}",
+        ]
+    writer.function("real scene_distance(point p, scene_data scene)", [*distance, "return distance;"])
+    writer.function(
+        "void scene_surface(point p, real *object, real *cell, covector *gradient, material *m,"
+        " scene_data scene)",
+        [*(line for line in surface if line), "*gradient = best.gradient;"],
+    )
+
+
+def _check_tile(writer: Writer, solid: schema.Solid, location: tuple[str | int, ...]) -> None:
+    """Balls about vertices need vertices that are points of the space."""
+    shape = solid.shape
+    if solid.kind == "tile" and shape.vertices is not None:
+        assert writer.lattice is not None
+        kinds = {vertex.kind for vertex in writer.lattice.polyhedron.vertices} - {"finite"}
+        if kinds:
+            raise writer.scene.error_at(
+                (*location, "tile", "vertices"),
+                f"the vertices of {writer.lattice.name} are {' and '.join(sorted(kinds))}: no ball has its "
+                "centre there",
+                "leave vertices out",
+            )
+    members = shape if isinstance(shape, tuple) else (shape,) if isinstance(shape, schema.Solid) else ()
+    for k, member in enumerate(members):
+        _check_tile(
+            writer,
+            member,
+            (*location, solid.kind, k) if isinstance(shape, tuple) else (*location, solid.kind),
+        )
+
+
+class _SolidText:
+    """The text of one solid: `distance`, and statements `lines` that work out the surface called `name`."""
+
+    def __init__(self, writer: Writer, solid: schema.Solid) -> None:
+        self._numbers, self._parts = writer.numbers, writer.parts
+        self._place, self._lattice = writer.place, writer.lattice
+        self._count = 0
+        self.lines: list[str] = []
+        self.distance, self.name = self._solid(solid, np.eye(4))
+
+    def _solid(self, solid: schema.Solid, outer: Array) -> tuple[str, str]:
+        """Distance and name of the surface; `outer` carries the frame of what it belongs to into the cell."""
+        frame = outer @ self._place.isometry(solid.at, solid.rotate)
+        shape = solid.shape
+        match solid.kind:
+            case "union" | "difference" | "intersection" as kind:
+                members = [self._solid(member, frame) for member in shape]
+                if kind == "difference":
+                    members[1:] = [self._complement(member) for member in members[1:]]
+                minimum, combined = ("fmin", "union_of") if kind == "union" else ("fmax", "intersection_of")
+                distance, name = members[0]
+                for other, other_name in members[1:]:
+                    distance = f"{minimum}({distance}, {other})"
+                    name = self._let(f"{combined}({name}, {other_name})")
+                return distance, name
+            case "complement":
+                return self._complement(self._solid(shape, frame))
+            case "ball":
+                return self._leaf("ball", frame, self._numbers.term(shape.radius))
+            case "cylinder":
+                return self._leaf("cylinder", frame @ turn_to(shape.along), self._numbers.term(shape.radius))
+            case "half-space":
+                lifted = self._place.isometry((0.0, 0.0, shape.offset))
+                return self._leaf("half_space", frame @ turn_to(shape.normal) @ lifted)
+            case "horoball":
+                return self._leaf(
+                    "horoball", frame @ turn_to(shape.towards), self._numbers.term(shape.distance)
+                )
+            case _:
+                return self._tile(shape, frame)
+
+    def _complement(self, member: tuple[str, str]) -> tuple[str, str]:
+        distance, name = member
+        return f"-({distance})", self._let(f"complement_of({name})")
+
+    def _let(self, expression: str) -> str:
+        self._count += 1
+        name = f"s{self._count}"
+        self.lines.append(f"surface {name} = {expression};")
+        return name
+
+    def _leaf(self, shape: str, frame: Array, *arguments: str) -> tuple[str, str]:
+        """One shape about the origin of its own coordinates; `frame` carries these into the cell."""
+        self._parts.add(f"shape/{shape}.h")
+        matrix = snap(inverse(self._place.geometry.name, frame))
+        if np.array_equal(matrix, np.eye(4)):
+            point, pulled = "p", None
+        else:
+            self._count += 1
+            point = f"(point){self._numbers.rows(matrix, components('p'))}"
+            pulled = matrix
+        tail = "".join(f", {argument}" for argument in arguments)
+        name = self._let(f"{shape}_surface({point}{tail})")
+        if pulled is not None:
+            gradient = self._numbers.rows(pulled.T, components(f"{name}.gradient"))
+            self.lines.append(f"{name}.gradient = (covector){gradient};")
+        return f"{shape}_distance({point}{tail})", name
+
+    def _ball_set(self, centres: Array, radius: float) -> tuple[str, str]:
+        self._parts.add("shape/ball_set.h")
+        arguments = (
+            f"(p, scene, {self._numbers.add(centres.ravel())}, {len(centres)}, {self._numbers.term(radius)})"
+        )
+        return f"ball_set_distance{arguments}", self._let(f"ball_set_surface{arguments}")
+
+    def _tile(self, tile: schema.Tile, frame: Array) -> tuple[str, str]:
+        """The cell minus balls: the walls of the cell are no surfaces, so only the balls are left (paper,
+        figure 3).
+        """
+        assert self._lattice is not None
+        members = [self._leaf("ball", frame, self._numbers.term(tile.ball))]
+        polyhedron = self._lattice.polyhedron
+        if tile.vertices is not None:
+            members.append(self._ball_set(np.array([v.vector for v in polyhedron.vertices]), tile.vertices))
+        if tile.edges is not None:
+            members.append(self._ball_set(np.array([edge.point for edge in polyhedron.edges]), tile.edges))
+        distance, name = members[0]
+        for other, other_name in members[1:]:
+            distance, name = f"fmin({distance}, {other})", self._let(f"union_of({name}, {other_name})")
+        return self._complement((distance, name))
+
+
+def _paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[str], surface: str) -> str:
+    """The text of a colour or a pattern on a surface."""
+    if isinstance(paint, schema.Color):
+        return f"three_numbers(scene, {numbers.add(paint.linear)})"
+    if paint.checker is not None:
+        parts.add("pattern/checker.h")
+        checker = paint.checker
+        place = numbers.add([*checker.count, *checker.colors[0].linear, *checker.colors[1].linear])
+        return f"checker({surface}, scene, {place})"
+    assert paint.grid is not None
+    parts.add("pattern/grid.h")
+    grid = paint.grid
+    place = numbers.add([*grid.count, grid.width, *grid.colors[0].linear, *grid.colors[1].linear])
+    return f"grid({surface}, scene, {place})"
+
+
+def _material(material: schema.Material, numbers: Numbers, parts: set[str], surface: str) -> str:
+    """The text of a material on a surface, as an initialiser."""
+    place = numbers.add([material.ambient, material.diffuse, material.specular, material.shininess])
+    shares = ", ".join(f"number(scene, {place + k})" for k in range(4))
+    return f"{{{_paint(material.color, numbers, parts, surface)}, {shares}}}"
