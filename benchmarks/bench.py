@@ -17,7 +17,7 @@ from pathlib import Path
 
 from thurston_cl import device as devices
 from thurston_cl.device import Device
-from thurston_cl.render import TileRenderer, sample_shifts, tiles
+from thurston_cl.rendering import TileRenderer, sample_shifts, tiles
 from thurston_cl.scene import load_scene
 from thurston_cl.scene.plan import make_plan
 

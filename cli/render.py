@@ -161,7 +161,7 @@ def command(
     """
     from thurston_cl.device import choose
     from thurston_cl.image import check_output
-    from thurston_cl.render import render
+    from thurston_cl.rendering import render
     from thurston_cl.scene import load_scene
 
     loaded = load_scene(scene, defines=defines, sets=sets)

@@ -45,12 +45,17 @@ FN ray march_step(ray r, real limit, scene_data scene)
   distance = fmin(distance, wall_time(r.p, r.v, scene) + threshold);
 #endif
   real t = SELECT(r.active & inside, distance, REAL(0));
-  flow(&r.p, &r.v, t);
+  ray moved = r;
+  flow(&moved.p, &moved.v, t);
+#ifdef IN_QUOTIENT
+  teleport(&moved, scene);
+#endif
+  reproject(&moved.p, &moved.v);
+  // Lanes that have ended stand still to the last bit, however long they wait for the others.
+  r.p = select_4(r.active, moved.p, r.p);
+  r.v = select_4(r.active, moved.v, r.v);
+  r.cell = SELECT(r.active, moved.cell, r.cell);
   r.t += t;
   r.steps += SELECT(r.active, REAL(1), REAL(0));
-#ifdef IN_QUOTIENT
-  teleport(&r, scene);
-#endif
-  reproject(&r.p, &r.v);
   return r;
 }

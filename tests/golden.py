@@ -89,9 +89,11 @@ def distance(geometry: str, p: Exact, q: Exact) -> Exact:
     return np.array(lengths, dtype=object)
 
 
-def relative_errors(got: Array, wanted: Exact) -> Array:
-    """Errors (N,) of the rows of `got`, relative to the largest entry of the row of `wanted`, which has its shape."""
-    off = np.abs(exact(got).reshape(wanted.shape) - wanted).reshape(len(wanted), -1).max(axis=1)
+def relative_errors(got: Any, wanted: Exact | Array) -> Array:
+    """Errors (N,) of the rows of `got`, relative to the largest entry of the row of `wanted`; the shapes are the same."""
+    if wanted.dtype == object:
+        got = exact(got)
+    off = np.abs(got - wanted).reshape(len(wanted), -1).max(axis=1)
     size = np.abs(wanted).reshape(len(wanted), -1).max(axis=1)
     return rounded(off / size)
 

@@ -36,7 +36,7 @@ render: {size: [8, 6]}
 
 
 class FakeRenderer:
-    """Stands in for `thurston_cl.render.render`: notes what it was asked for, and gives a grey picture."""
+    """Stands in for `thurston_cl.render`: notes what it was asked for, and gives a grey picture."""
 
     def __init__(self) -> None:
         self.calls: list[dict[str, Any]] = []
@@ -76,9 +76,9 @@ class FakeRenderer:
 @pytest.fixture
 def renderer(monkeypatch: pytest.MonkeyPatch) -> FakeRenderer:
     fake = FakeRenderer()
-    module = ModuleType("thurston_cl.render")
+    module = ModuleType("thurston_cl.rendering")
     module.render = fake  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "thurston_cl.render", module)
+    monkeypatch.setitem(sys.modules, "thurston_cl.rendering", module)
     return fake
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from thurston_cl.errors import NoDeviceError, SceneError, ThurstonError
     from thurston_cl.geometry import Geometry
     from thurston_cl.image import Image
-    from thurston_cl.render import render
+    from thurston_cl.rendering import render
     from thurston_cl.scene import load_scene
 
 # Loaded when first used, so that `thurston --help` and the numerics do not wait for image and scene
@@ -25,13 +25,17 @@ _HOME = {
     "SceneError": "errors",
     "ThurstonError": "errors",
     "load_scene": "scene",
-    "render": "render",
+    "render": "rendering",
 }
 
 __all__ = ["Geometry", "Image", "NoDeviceError", "SceneError", "ThurstonError", "load_scene", "render"]
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("thurston_cl")
     if name not in _HOME:
         raise AttributeError(f"module 'thurston_cl' has no attribute {name!r}")
     return getattr(importlib.import_module(f"thurston_cl.{_HOME[name]}"), name)

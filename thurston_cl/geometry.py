@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from thurston_cl import device as devices
-from thurston_cl.program import GEOMETRIES, LOCAL_SIZE, Source, build_widest, geometry_parts
+from thurston_cl.program import GEOMETRIES, LANE_WIDTHS, LOCAL_SIZE, Source, build_widest, geometry_parts
 
 if TYPE_CHECKING:
     from thurston_cl.device import Device
@@ -27,7 +27,9 @@ MODEL_TOLERANCE = 1e-6
 
 
 # The origin of each model.
-ORIGIN = dict.fromkeys(GEOMETRIES, (0.0, 0.0, 0.0, 1.0))
+ORIGIN = dict.fromkeys(("e3", "s3", "h3", "nil"), (0.0, 0.0, 0.0, 1.0)) | dict.fromkeys(
+    ("s2xe", "h2xe", "sl2"), (0.0, 0.0, 1.0, 0.0)
+)
 
 
 class Geometry:
@@ -60,6 +62,8 @@ class Geometry:
             raise ValueError(
                 f"{self.device.info.name} has no double precision; use precision='single' or another device"
             )
+        if lanes is not None and lanes not in LANE_WIDTHS:
+            raise ValueError(f"{lanes} lanes; expected one of: {', '.join(map(str, LANE_WIDTHS))}")
         source = Source((*geometry_parts(name), "numerics.cl"))
         width = lanes or self.device.info.lane_width(precision)
         self._program, self.lanes = build_widest(self.device, source, precision, width)
@@ -192,7 +196,7 @@ class Geometry:
         return np.float64 if self.precision == "double" else np.float32
 
     def _run(self, name: str, arrays: Sequence[Array], outputs: int, *constants: int) -> Array:
-        """Run one kernel of numerics.cl over the concatenated components of `arrays`; returns (N, outputs)."""
+        """Run a kernel of numerics.cl over the concatenated components of `arrays`; returns (N, outputs)."""
         import pyopencl as cl
 
         count = arrays[0].shape[0]
@@ -219,10 +223,15 @@ def _off_model(geometry: str, p: Array) -> tuple[Array, str]:
     """How far points (N,4) are off the model of a geometry (N,), and the equation of the model."""
     x, y, z, w = p.T
     match geometry:
-        case "e3":
+        case "e3" | "nil":
             return np.abs(w - 1), "w = 1"
         case "s3":
             return np.abs((p**2).sum(axis=1) - 1), "x^2 + y^2 + z^2 + w^2 = 1"
+        case "s2xe":
+            return np.abs(x**2 + y**2 + z**2 - 1), "x^2 + y^2 + z^2 = 1"
+        case "h2xe" | "sl2":
+            height = np.sqrt(1 + x**2 + y**2)
+            return np.abs(z - height) / height, "z = sqrt(1 + x^2 + y^2)"
         case _:
             height = np.sqrt(1 + x**2 + y**2 + z**2)
             return np.abs(w - height) / height, "w = sqrt(1 + x^2 + y^2 + z^2)"

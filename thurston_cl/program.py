@@ -23,14 +23,22 @@ if TYPE_CHECKING:
 
 LANE_WIDTHS = (1, 4, 8, 16, 32, 64)
 LOCAL_SIZE = 16  # PoCL compiles a kernel once per local size, so there is only one
-GEOMETRIES = ("e3", "s3", "h3")
-_ISOTROPIC = frozenset({"e3", "s3", "h3"})
+# The kernel files of each geometry, after lanes.h and special/elementary.h.
+_GEOMETRY_PARTS = {
+    "e3": ("geometry/e3.h", "geometry/isotropic.h"),
+    "s3": ("geometry/s3.h", "geometry/isotropic.h"),
+    "h3": ("geometry/h3.h", "geometry/isotropic.h"),
+    "s2xe": ("geometry/s2xe.h", "geometry/product.h"),
+    "h2xe": ("geometry/h2xe.h", "geometry/product.h"),
+    "nil": ("special/stumpff.h", "geometry/nil.h"),
+    "sl2": ("special/stumpff.h", "geometry/sl2.h"),
+}
+GEOMETRIES = tuple(_GEOMETRY_PARTS)
 
 
 def geometry_parts(geometry: str) -> tuple[str, ...]:
     """The kernel files that implement the contract of one geometry, in order of pasting."""
-    parts = ("lanes.h", "special/elementary.h", f"geometry/{geometry}.h")
-    return (*parts, "geometry/isotropic.h") if geometry in _ISOTROPIC else parts
+    return ("lanes.h", "special/elementary.h", *_GEOMETRY_PARTS[geometry])
 
 
 @functools.cache

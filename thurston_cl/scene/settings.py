@@ -27,7 +27,7 @@ class RenderSettings(Node):
         default="auto", description="Arithmetic of the kernels. `auto` is single."
     )
     steps: Steps = Field(
-        default=300, description="The most steps a ray may take; then it shows the background."
+        default=300, description="The most steps a ray may take; then it shows what it has come nearest to."
     )
     threshold: Positive = Field(
         default=1e-4, description="A ray has hit a surface when it is closer than this."

@@ -50,7 +50,7 @@ class Cylinder(Shape):
 
 
 class HalfSpace(Shape):
-    """All points on one side of a plane, or of a surface at constant distance from a plane."""
+    """All points on one side of a plane: a totally geodesic surface."""
 
     what = "a half-space"
     example = "half-space: {normal: [0, 0, 1], offset: -0.5}"
@@ -58,8 +58,8 @@ class HalfSpace(Shape):
     normal: Direction = Field(default=(0, 0, 1), description="Points out of the half-space, at the center.")
     offset: Number = Field(
         default=0.0,
-        description="The half-space holds the points whose signed distance from the plane through the center "
-        "is at most this; between −π/2 and π/2 in s3.",
+        description="How far along the normal the plane stands: it is perpendicular to the geodesic that "
+        "leaves the center along the normal, at this signed distance; between −π/2 and π/2 in s3.",
     )
 
     def check(self, context: Context) -> Iterator[Problem]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.image import Image
-from thurston_cl.program import LOCAL_SIZE, build_widest
+from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, build_widest
 from thurston_cl.scene import schema
 from thurston_cl.scene.plan import Plan, make_plan
 
@@ -78,6 +78,15 @@ def render(
     settings = scene.render
     chosen = devices.choose(device) if device is None or isinstance(device, str) else device
     precision = precision or ("single" if settings.precision == "auto" else settings.precision)
+    finish, samples = finish or settings.finish, settings.samples if samples is None else samples
+    _check_name("precision", precision, ("single", "double"))
+    _check_name("finish", finish, ("auto", "packet", "refill"))
+    for channel in channels:
+        _check_name("channel", channel, CHANNELS)
+    if lanes is not None and lanes not in LANE_WIDTHS:
+        raise ValueError(f"{lanes} lanes; expected one of: {', '.join(map(str, LANE_WIDTHS))}")
+    if samples < 1:
+        raise ValueError(f"{samples} samples; expected at least 1")
     if precision == "double" and not chosen.info.fp64:
         raise ValueError(
             f"{chosen.info.name} has no double precision; choose single precision or another device"
@@ -85,12 +94,8 @@ def render(
     whole = size or settings.size
     area = _checked_crop(crop, whole)
     plan = make_plan(scene, device=chosen, size=whole, channels=channels)
-    renderer = TileRenderer(
-        plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish or settings.finish
-    )
-    image_channels, statistics = _render_tiles(
-        renderer, area, samples or settings.samples, channels, progress
-    )
+    renderer = TileRenderer(plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish)
+    image_channels, statistics = _render_tiles(renderer, area, samples, channels, progress)
     statistics |= {
         "seconds": time.perf_counter() - started,
         "device": chosen.info.name,
@@ -98,9 +103,14 @@ def render(
         "lanes": renderer.lanes,
         "finish": renderer.finish,
         "size": list(whole),
-        "samples": samples or settings.samples,
+        "samples": samples,
     }
     return Image(image_channels, _metadata(scene, chosen, statistics, area), statistics)
+
+
+def _check_name(what: str, name: str, known: Collection[str]) -> None:
+    if name not in known:
+        raise ValueError(f"unknown {what} {name!r}; expected one of: {', '.join(known)}")
 
 
 def _checked_crop(crop: tuple[int, int, int, int] | None, size: tuple[int, int]) -> tuple[int, int, int, int]:
@@ -277,7 +287,7 @@ class TileRenderer:
             )
 
     def _first_look(self, tile: Tile) -> NDArray[np.floating]:
-        """Arc length and steps (2, pixels) of the rays just traced: the first two components of the records."""
+        """Arc length and steps (2, pixels) of the rays just traced, the head of their records."""
         import pyopencl as cl
 
         result = np.empty((2, tile.pixels), self.dtype)
@@ -328,9 +338,6 @@ def _render_tiles(
     channels: Collection[str],
     progress: Callable[[int, int], None] | None,
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    unknown = set(channels) - set(CHANNELS)
-    if unknown:
-        raise ValueError(f"unknown channel {sorted(unknown)[0]!r}; expected some of: {', '.join(CHANNELS)}")
     width, height = area[2] - area[0], area[3] - area[1]
     result: dict[str, NDArray[Any]] = {}
     for name in channels:

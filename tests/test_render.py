@@ -1,0 +1,251 @@
+"""Pictures: the marcher, its ways of finishing, precision and lanes, effects left out, arguments and
+metadata.
+"""
+
+import json
+
+import numpy as np
+import pytest
+
+import thurston_cl as tc
+from thurston_cl.errors import SceneError
+from thurston_cl.program import kernel_text
+from thurston_cl.rendering import Tile, sample_shifts, tiles
+from thurston_cl.scene import load_text
+from thurston_cl.scene.plan import make_plan
+
+CORRIDOR = """
+geometry: h3
+manifold: ideal-cube
+camera: {at: [0.1, 0.05, 0.02], fov: 70 deg}
+objects:
+  - complement: {ball: {radius: 1.02}}
+"""
+
+BALLS = """
+geometry: e3
+manifold: three-torus
+camera: {at: [0.2, -0.3, 0.1], look: {along: [0.4, 1, 0.2]}, fov: 90 deg}
+objects:
+  - ball: {radius: 0.15}
+    material: {color: {checker: {count: [16, 8]}}}
+  - ball: {radius: 0.12}
+    at: [0.2, 0.1, -0.1]
+lights:
+  - point: {at: [0.2, -0.1, 0.3], intensity: 0.3, translates: 3}
+    shadows: hard
+effects:
+  fog: {exponential: {density: 0.2}}
+"""
+
+SPHERE = """
+geometry: s3
+camera: {at: [0, -1.0, 0.3], look: {to: [0, 0, 0]}, fov: 90 deg}
+objects:
+  - ball: {radius: 0.3}
+  - half-space: {normal: [0, 0, 1], offset: -0.6}
+lights:
+  - point: {at: [0.5, -0.6, 0.7]}
+"""
+
+
+def picture(text: str, **settings):
+    return tc.render(load_text(text), **{"size": (160, 96), "samples": 1} | settings)
+
+
+@pytest.mark.parametrize("text", [CORRIDOR, BALLS, SPHERE])
+def test_finishing_by_refill_gives_the_same_picture_to_the_last_bit(text):
+    packet, refill = picture(text, finish="packet"), picture(text, finish="refill")
+    for name, channel in packet.channels.items():
+        np.testing.assert_array_equal(channel, refill.channels[name], err_msg=name)
+    assert packet.statistics["out_of_steps"] == refill.statistics["out_of_steps"]
+
+
+@pytest.mark.parametrize("text", [CORRIDOR, BALLS, SPHERE])
+@pytest.mark.parametrize("lanes", [4, 16])
+def test_every_width_shows_what_one_lane_shows(text, lanes):
+    one, many = picture(text, lanes=1, size=(96, 64)), picture(text, lanes=lanes, size=(96, 64))
+    pixels = one.channels["object"].size
+    # exp and log may differ in the last bit between a scalar and a vector built-in, and some rays are
+    # chaotic.
+    assert np.count_nonzero(one.channels["object"] != many.channels["object"]) <= 0.002 * pixels
+    assert np.count_nonzero(one.channels["cell"] != many.channels["cell"]) <= 0.005 * pixels
+    off = np.abs(one.channels["beauty"] - many.channels["beauty"]).max(axis=2) > 1e-2
+    assert np.count_nonzero(off) <= 0.01 * pixels
+
+
+@pytest.mark.parametrize("text", [CORRIDOR, BALLS, SPHERE])
+def test_single_precision_shows_what_double_shows(text, opencl_device):
+    if not opencl_device.info.fp64:
+        pytest.skip("the device has no double precision")
+    single, double = picture(text), picture(text, precision="double")
+    pixels = single.channels["object"].size
+    assert np.count_nonzero(single.channels["object"] != double.channels["object"]) <= 0.005 * pixels
+    off = np.abs(single.channels["beauty"] - double.channels["beauty"]).max(axis=2) > 1e-2
+    assert np.count_nonzero(off) <= 0.02 * pixels
+
+
+def test_depth_of_a_ball_straight_ahead_is_the_distance_to_its_surface():
+    for geometry in ("e3", "s3", "h3"):
+        text = f"geometry: {geometry}\nobjects:\n  - ball: {{radius: 0.3}}\n    at: [1.2, 0, 0]\n"
+        image = picture(text, size=(33, 33), precision="double")
+        assert image.channels["depth"][16, 16] == pytest.approx(0.9, abs=2e-4), geometry
+        # The frame at the hit point is carried along the same geodesic, so the ball's pole shows -x.
+        np.testing.assert_allclose(image.channels["normal"][16, 16], [-1, 0, 0], atol=1e-3)
+
+
+def test_what_is_not_hit_has_no_object_no_cell_and_infinite_depth():
+    image = picture(
+        "geometry: e3\nobjects: [{ball: {radius: 0.3}, at: [2, 0, 0]}]\nbackground: [0.1, 0.2, 0.3]\n"
+    )
+    missed = image.channels["object"] == 0
+    assert missed[0, 0] and not missed[48, 80]
+    assert np.all(np.isinf(image.channels["depth"][missed]))
+    assert np.all(image.channels["cell"][missed] == 0)
+    np.testing.assert_allclose(image.channels["beauty"][0, 0], [0.1, 0.2, 0.3], rtol=1e-6)
+
+
+def test_cells_of_the_three_torus_are_numbered_by_distance_and_whole():
+    image = picture(
+        "geometry: e3\nmanifold: three-torus\nobjects: [{ball: {radius: 0.2}, at: [0.25, 0.1, 0]}]\n"
+        "camera: {at: [-0.3, 0, 0]}\n"
+    )
+    cells = image.channels["cell"]
+    assert cells[48, 84] == 1
+    # Every ball is seen in one cell: near the ball's middle no pixel has another number.
+    assert np.all(cells[44:52, 80:88] == 1)
+    assert np.unique(cells).size > 20
+
+
+def test_a_crop_is_that_part_of_the_whole_picture():
+    whole, part = picture(CORRIDOR), picture(CORRIDOR, crop=(37, 21, 90, 70))
+    for name, channel in part.channels.items():
+        np.testing.assert_array_equal(channel, whole.channels[name][21:70, 37:90], err_msg=name)
+
+
+def test_samples_change_the_picture_but_not_the_other_channels():
+    one, four = picture(CORRIDOR), picture(CORRIDOR, samples=4)
+    np.testing.assert_array_equal(one.channels["depth"], four.channels["depth"])
+    assert not np.array_equal(one.channels["beauty"], four.channels["beauty"])
+    assert four.statistics["rays"] == 4 * one.statistics["rays"]
+    again = picture(CORRIDOR, samples=4)
+    np.testing.assert_array_equal(again.channels["beauty"], four.channels["beauty"])
+
+
+def test_sample_shifts_begin_in_the_centre_and_fill_the_pixel():
+    shifts = sample_shifts(256)
+    np.testing.assert_array_equal(shifts[0], [0.5, 0.5])
+    counts, _, _ = np.histogram2d(*shifts.T, bins=8, range=[[0, 1], [0, 1]])
+    assert counts.min() >= 2 and counts.max() <= 6
+
+
+def test_tiles_cover_the_area_once():
+    covered = np.zeros((70, 90), int)
+    for tile in tiles((5, 10, 90, 70), 32):
+        assert tile.padded[0] % 32 == 0 and tile.padded[1] % 32 == 0
+        covered[tile.top : tile.top + tile.height, tile.left : tile.left + tile.width] += 1
+    assert np.all(covered[10:, 5:] == 1) and covered[:10].sum() == 0 and covered[:, :5].sum() == 0
+    assert Tile(0, 0, 33, 1).padded == (64, 32)
+
+
+def test_effects_that_are_not_named_are_not_in_the_source():
+    bare = make_plan(load_text(CORRIDOR)).source.text
+    for name in ("hard_shadow", "fog_exponential", "checker", "cell_behind"):
+        assert name not in bare.split('"scene objects"')[1].replace("cell_behind(real", ""), name
+        assert f"FN {name}" not in bare
+    for part in ("light/hard_shadow.h", "light/fog_exponential.h", "pattern/checker.h"):
+        assert kernel_text(part).strip() in make_plan(load_text(BALLS)).source.text
+        assert kernel_text(part).strip() not in bare
+    assert picture(CORRIDOR).statistics["shadow_steps"] == 0
+    assert picture(BALLS).statistics["shadow_steps"] > 0
+
+
+def test_shadows_and_fog_change_only_the_colours():
+    with_all = picture(BALLS)
+    bare = picture(BALLS.replace("    shadows: hard\n", "").split("effects:")[0])
+    for name in ("depth", "object", "cell", "normal"):
+        np.testing.assert_array_equal(with_all.channels[name], bare.channels[name], err_msg=name)
+    assert not np.array_equal(with_all.channels["beauty"], bare.channels["beauty"])
+
+
+def test_scenes_that_differ_in_numbers_share_their_program():
+    first, second = load_text(BALLS), load_text(BALLS.replace("0.15", "0.16").replace("0.12", "0.11"))
+    assert make_plan(first).source.text == make_plan(second).source.text
+    assert not np.array_equal(make_plan(first).numbers, make_plan(second).numbers)
+
+
+def test_distance_near_walls_is_chosen_by_what_crosses_them():
+    def choice(objects: str) -> str:
+        return make_plan(load_text(f"geometry: e3\nmanifold: three-torus\nobjects: [{objects}]\n")).near_walls
+
+    assert choice("tile: {ball: 0.6}") == "domain"
+    assert choice("{ball: {radius: 0.4999}}") == "creeping"
+    assert choice("{ball: {radius: 0.5001}}") == "both"
+    assert choice("{ball: {radius: 0.2}, at: [0.4, 0, 0]}") == "both"
+    assert make_plan(load_text(SPHERE)).near_walls == "whole space"
+
+
+def test_a_light_that_is_far_around_the_sphere_lights_from_behind():
+    text = (
+        "geometry: s3\nobjects: [{ball: {radius: 0.3}}]\ncamera: {at: [-1, 0, 0]}\n"
+        "lights: [{point: {at: [1.2, 0, 0], geodesics: %d}}]\n"
+    )
+    one, both = (picture(text % count).channels["beauty"][48, 80].sum() for count in (1, 2))
+    # The light stands behind the ball: the shortest geodesic meets its far side, the long way round its near
+    # side.
+    assert both > 1.5 * one
+
+
+def test_camera_inside_an_object_is_an_error_at_its_line():
+    text = "geometry: h3\ncamera: {at: [0.1, 0, 0]}\nobjects: [{ball: {radius: 0.3}}]\n"
+    with pytest.raises(SceneError, match="camera is inside an object"):
+        picture(text)
+
+
+def test_tile_vertices_that_are_no_points_are_an_error():
+    with pytest.raises(SceneError, match="vertices of ideal-cube are ideal"):
+        picture("geometry: h3\nmanifold: ideal-cube\nobjects: [{tile: {ball: 1, vertices: 0.1}}]\n")
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"crop": (0, 0, 161, 10)}, "not inside the picture"),
+        ({"crop": (5, 0, 5, 10)}, "not inside the picture"),
+        ({"channels": ["beauty", "albedo"]}, "unknown channel 'albedo'"),
+        ({"finish": "never"}, "unknown finish 'never'"),
+        ({"precision": "half"}, "unknown precision 'half'"),
+        ({"lanes": 7}, "7 lanes"),
+        ({"samples": 0}, "samples"),
+    ],
+)
+def test_arguments_that_make_no_sense_are_named(settings, words):
+    with pytest.raises(ValueError, match=words):
+        picture(CORRIDOR, **settings)
+
+
+def test_metadata_makes_the_same_picture_again():
+    image = picture(BALLS)
+    settings = json.loads(image.metadata["settings"])
+    again = tc.render(
+        load_text(image.metadata["scene"]),
+        size=tuple(settings["size"]),
+        samples=settings["samples"],
+        crop=tuple(settings["crop"]),
+        precision=settings["precision"],
+        lanes=settings["lanes"],
+    )
+    np.testing.assert_array_equal(again.channels["beauty"], image.channels["beauty"])
+
+
+def test_progress_is_told_and_can_end_the_rendering():
+    seen = []
+
+    def stop(done: int, total: int) -> None:
+        seen.append((done, total))
+        if done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        picture(CORRIDOR, size=(512, 512), samples=2, progress=stop)
+    assert seen == [(1, 8), (2, 8)]
