@@ -28,8 +28,20 @@ _GEOMETRY_PARTS = {
     "e3": ("geometry/e3.h", "geometry/isotropic.h"),
     "s3": ("geometry/s3.h", "geometry/isotropic.h"),
     "h3": ("geometry/h3.h", "geometry/isotropic.h"),
-    "s2xe": ("geometry/s2xe.h", "geometry/product.h"),
-    "h2xe": ("geometry/h2xe.h", "geometry/product.h"),
+    "s2xe": (
+        "geometry/factor.h",
+        "geometry/s3.h",
+        "geometry/isotropic.h",
+        "geometry/s2xe.h",
+        "geometry/product.h",
+    ),
+    "h2xe": (
+        "geometry/factor.h",
+        "geometry/h3.h",
+        "geometry/isotropic.h",
+        "geometry/h2xe.h",
+        "geometry/product.h",
+    ),
     "nil": ("special/stumpff.h", "geometry/nil.h"),
     "sl2": ("special/stumpff.h", "geometry/sl2.h"),
 }

@@ -34,7 +34,8 @@ REFILL_CHUNK = 1024
 # Work-items of trace_refill per compute unit, at least, so that the last one does not keep the others
 # waiting.
 REFILL_ITEMS = 8
-# Below this share of lanes doing work in trace_packet, trace_refill is faster. `make bench` measures both.
+# Below this share of lanes doing work in trace_packet, trace_refill is faster. Over 14 scenes on PoCL it took
+# 0.6 to 0.9 of the time where the share was at most 0.56, and 1.3 to 1.6 where it was 0.68 or more.
 REFILL_BELOW_UTILISATION = 0.6
 
 # The channels of a tile in render.cl: what is counted per pixel over all samples, and where the others stand.

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from pydantic import Field
 
@@ -105,24 +105,43 @@ class Projection(Node):
     perspective: Perspective = Field(description="Straight lines through one point.")
 
 
+# Where the camera stands and looks if the scene does not say: in a manifold beside the middle of the cell,
+# where tiles and balls leave room, and askew; in the whole space facing the origin.
+IN_MANIFOLD: Mapping[str, Any] = {"at": (-0.25, -0.2, 0.12), "look": {"along": (1, 0.55, 0.1)}}
+IN_WHOLE_SPACE: Mapping[str, Any] = {"at": (-1.3, -0.5, 0.4), "look": {"to": (0, 0, 0)}}
+
+
 class Camera(Node):
     """Where the picture is taken from. Right-handed: forward × up = right."""
 
     what = "a camera"
     example = "camera: {at: [0, -2, 0.5], look: {to: [0, 0, 0]}}"
 
-    at: Point = Field(default=(0.0, 0.0, 0.0), description="Where the camera stands.")
+    at: Point = Field(
+        default=(0.0, 0.0, 0.0),
+        description="Where the camera stands. Left out: in a manifold beside the middle of the cell, at "
+        "[-0.25, -0.2, 0.12], looking along [1, 0.55, 0.1]; in the whole space at [-1.3, -0.5, 0.4], looking "
+        "at the origin; unless look says otherwise.",
+        json_schema_extra={"default": "see there"},
+    )
     look: Look = Field(default=Look(), description="Which way it looks.")
     move: tuple[Step, ...] = Field(
         default=(),
         description="Steps from there, in this order, along geodesics with parallel transport (paper, 3.4).",
     )
     fov: FieldOfView = Field(
-        default=math.radians(80),
+        default=math.radians(90),
         description="Angle of view from bottom to top, between 0 and 180 deg.",
-        json_schema_extra={"default": "80 deg"},
+        json_schema_extra={"default": "90 deg"},
     )
     projection: Projection = Field(
         default=Projection(perspective=Perspective()),
         description="How directions become places in the picture.",
     )
+
+    @classmethod
+    def fill(cls, data: dict[str, Any], context: Context) -> None:
+        if "at" not in data:
+            view = IN_MANIFOLD if context.manifold else IN_WHOLE_SPACE
+            data["at"] = list(view["at"])
+            data.setdefault("look", {key: list(value) for key, value in view["look"].items()})

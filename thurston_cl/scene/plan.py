@@ -92,7 +92,7 @@ class Plan:
             "space": quotient,
             "objects": f"{len(self.scene.objects)}, made of: {', '.join(shapes)}",
             "distance near walls": self.near_walls,
-            "lights": f"{max(1, len(self.scene.lights))}, with {self.light_images} images in all",
+            "lights": f"{len(self.scene.lights) or 'the default ones'}, {self.light_images} images in all",
             "called for": ", ".join(self.called_for) or "nothing beyond point lights",
             "left out": ", ".join(self.left_out) or "nothing",
             "kernel files": ", ".join(self.parts),

@@ -94,7 +94,9 @@ class Scene(Node):
         default={}, description="Materials to use by their name."
     )
     objects: Annotated[tuple[Object, ...], AtLeast(1)] = Field(description="What there is to see.")
-    lights: tuple[Light, ...] = Field(default=(), description="Left out: one light beside the camera.")
+    lights: tuple[Light, ...] = Field(
+        default=(), description="Left out: a warm light beside the camera and a cool one ahead of it."
+    )
     effects: Effects = Field(default=Effects(), description="What is simulated besides direct light.")
     background: ColorValue = Field(default=color("black"), description="What a ray shows that hits nothing.")
     render: RenderSettings = Field(default=RenderSettings(), description="How the picture is worked out.")
@@ -127,6 +129,10 @@ class Scene(Node):
     def remember(self, source: SceneSource, lattice: "Lattice | None") -> None:
         """Keep what is known from loading; only the loader calls this."""
         self._source, self._lattice = source, lattice
+
+    @classmethod
+    def fill(cls, data: dict[str, Any], context: Context) -> None:
+        data.setdefault("camera", {})
 
     def error_at(
         self, location: Location, message: str, help: str | None = None, *, key: bool = False

@@ -112,7 +112,7 @@ class Material(Node):
         "mirror": "mirrors are not rendered yet",
     }
 
-    color: Paint = Field(default=color("#d9905a"), description="The color of the surface.")
+    color: Paint = Field(default=color("#e9e2d6"), description="The color of the surface.")
     ambient: Weight = Field(default=0.1, description="Weight of the light that comes from everywhere.")
     diffuse: Weight = Field(
         default=0.7,

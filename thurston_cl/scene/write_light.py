@@ -3,38 +3,44 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from thurston_cl.geometry import Geometry
 from thurston_cl.lattice import Lattice, elements
 from thurston_cl.scene.placement import CameraFrame
 from thurston_cl.scene.writer import Writer
 
 Array = NDArray[np.float64]
 
-# The light of a scene that names none stands beside the camera: so far to the right, up and behind it.
-HEAD_LIGHT = {"right": 0.25, "up": 0.35, "forward": -0.1}
+# The lights of a scene that names none, a warm one and a cool one: how far to the right of the camera, up and
+# forward they stand, and their colour times intensity. In a cell they stand on opposite sides, in the whole
+# space above.
+DEFAULT_LIGHTS_IN_CELL = (
+    ((0.32, 0.28, 0.08), (1.3, 0.85, 0.45)),
+    ((-0.5, -0.48, 0.63), (0.3, 0.6, 1.3)),
+)
+DEFAULT_LIGHTS = (
+    ((0.5, 0.6, 0.0), (2.6, 2.1, 1.5)),
+    ((-0.9, 0.4, 0.4), (0.4, 0.7, 1.2)),
+)
 
 
 def write_lights(writer: Writer, camera: CameraFrame) -> int:
-    """One loop over the images of all lights that ask for the same: number of geodesics, shadows or
-    none.
+    """One loop over the images of all lights that ask for the same: number of geodesics, shadows or none.
+
+    Returns the number of images in all.
     """
     loops: dict[tuple[int, bool], list[float]] = {}
     for k, light in enumerate(writer.scene.lights):
         point = writer.place.point(light.point.at)
         color = np.array(light.point.color.linear) * light.point.intensity
-        if writer.lattice is not None:
-            carried, _, ok = writer.lattice.teleport(point[None])
-            if not ok[0]:
-                raise writer.scene.error_at(
-                    ("lights", k, "point", "at"), "no group element leads this light into the cell"
-                )
-            point = carried[0]
-        images = _images(writer.lattice, light.point.translates) @ point
+        carried = _carry(point, writer.lattice)
+        if carried is None:
+            raise writer.scene.error_at(
+                ("lights", k, "point", "at"), "no group element leads this light into the cell"
+            )
         loop = loops.setdefault((light.point.geodesics, light.shadows == "hard"), [])
-        for image in images:
+        for image in _images(writer.lattice, light.point.translates) @ carried:
             loop += [*image, *color]
     if not writer.scene.lights:
-        loops[(1, False)] = [*_head_light(camera, writer.geometry), 1.0, 1.0, 1.0]
+        loops[(1, False)] = _default_lights(camera, writer)
     writer.parts.add("light/point.h")
     body = ["real3_lanes seen = phong_ambient(s);"]
     total = 0
@@ -75,11 +81,23 @@ def _images(lattice: Lattice | None, translates: "int | str") -> Array:
     return elements(lattice, count=int(translates))
 
 
-def _head_light(camera: CameraFrame, geometry: Geometry) -> NDArray[np.float64]:
-    right, up, forward = camera.frame
-    offset = HEAD_LIGHT["right"] * right + HEAD_LIGHT["up"] * up + HEAD_LIGHT["forward"] * forward
-    length = float(np.linalg.norm(offset))
-    return geometry.flow(offset / length, length, base=camera.point)[0][0]
+def _carry(point: Array, lattice: Lattice | None) -> Array | None:
+    """The image of a point in the cell; None where no group element leads there."""
+    if lattice is None:
+        return point
+    points, _, ok = lattice.teleport(point[None])
+    return points[0] if ok[0] else None
+
+
+def _default_lights(camera: CameraFrame, writer: Writer) -> list[float]:
+    numbers: list[float] = []
+    for offset, color in DEFAULT_LIGHTS if writer.lattice is None else DEFAULT_LIGHTS_IN_CELL:
+        towards = np.array(offset) @ camera.frame
+        length = float(np.linalg.norm(towards))
+        point = writer.geometry.flow(towards / length, length, base=camera.point)[0][0]
+        carried = _carry(point, writer.lattice)
+        numbers += [*(point if carried is None else carried), *color]
+    return numbers
 
 
 def write_air(writer: Writer) -> None:
