@@ -44,6 +44,9 @@ FN ray march_step(ray r, real limit, scene_data scene)
   // Just over the wall and no further, so that nothing behind it is jumped (paper 4.2.1).
   distance = fmin(distance, wall_time(r.p, r.v, scene) + threshold);
 #endif
+  // No further than the limit: what is behind a light throws no shadow on this side of it.
+  real left = limit - r.t;
+  distance = SELECT(distance > left, left, distance);
   real t = SELECT(r.active & inside, distance, REAL(0));
   ray moved = r;
   flow(&moved.p, &moved.v, t);

@@ -1,7 +1,8 @@
 """The reference values of tests/data/*.json, and 50-digit forms of the models to compare with.
 
-Outputs there are decimal strings of 25 digits; an input is exactly the binary64 number that its string denotes. Of a point
-three coordinates are given, the fourth follows from the model, so here it is computed with 50 digits before it is rounded.
+Outputs there are decimal strings of 25 digits; an input is exactly the binary64 number that its string
+denotes. Of a point three coordinates are given, the fourth follows from the model, so here it is computed
+with 50 digits before it is rounded.
 """
 
 import functools
@@ -33,8 +34,12 @@ def exact(values: Any) -> Exact:
     """Decimal strings or floats, in nested lists or an array, as numbers of 50 digits."""
     array = np.asarray(values, dtype=object)
     result = np.empty(array.shape, dtype=object)
-    result.flat = [MP.mpf(value if isinstance(value, str) else float(value)) for value in array.flat]
+    result[...] = np.vectorize(_number, otypes=[object])(array) if array.size else array
     return result
+
+
+def _number(value: Any) -> Any:
+    return MP.mpf(value if isinstance(value, str) else float(value))
 
 
 def inputs(values: Any) -> Exact:
@@ -47,7 +52,7 @@ def rounded(values: Exact) -> Array:
     return values.astype(np.float64)
 
 
-def on_model(geometry: str, xyz: Exact, positive: Sequence[bool] | None = None) -> Exact:
+def on_model(geometry: str, xyz: Exact, positive: Sequence[bool] | NDArray[np.bool_] | None = None) -> Exact:
     """Points (N,4) of the model from their coordinates (N,3); where `positive` is false, w < 0 (s3)."""
     signs = [True] * len(xyz) if positive is None else positive
     rows = []
@@ -58,7 +63,7 @@ def on_model(geometry: str, xyz: Exact, positive: Sequence[bool] | None = None) 
 
 
 def translation(geometry: str, point: Exact) -> Exact:
-    """The matrix of the transvection from the origin to `point` (4), of math section 1: [[I - K x x^T/(1+w), x], [-K x^T, w]]."""
+    """The transvection from the origin to `point` (4): [[I - K x x^T/(1+w), x], [-K x^T, w]]."""
     x, w, k = point[:3], point[3], CURVATURE[geometry]
     matrix = exact(np.eye(4))
     matrix[:3, :3] -= k * np.outer(x, x) / (1 + w)
@@ -78,19 +83,19 @@ def distance(geometry: str, p: Exact, q: Exact) -> Exact:
     k = CURVATURE[geometry]
     d = q - p
     square = (d[:, :3] ** 2).sum(axis=1) + k * d[:, 3] ** 2
-    half = [MP.sqrt(max(s, MP.mpf(0))) / 2 for s in square]
-    arc = {"e3": lambda c: c, "s3": MP.asin, "h3": MP.asinh}[geometry]
-    # Past a quarter turn the chord's sine nears 1: measure from the antipode instead.
-    far = [geometry == "s3" and h > MP.mpf("0.7") for h in half]
-    to_antipode = [MP.sqrt(((a + b) ** 2).sum()) / 2 for a, b in zip(p, q, strict=True)]
-    lengths = [
-        MP.pi - 2 * MP.asin(a) if f else 2 * arc(h) for h, a, f in zip(half, to_antipode, far, strict=True)
-    ]
+    lengths = []
+    for a, b, chord in zip(p, q, square, strict=True):
+        half = MP.sqrt(max(chord, MP.mpf(0))) / 2
+        if geometry == "s3" and half > 0.7:
+            # Past a quarter turn the chord's sine nears 1: measure from the antipode instead.
+            lengths.append(MP.pi - 2 * MP.asin(MP.sqrt(((a + b) ** 2).sum()) / 2))
+        else:
+            lengths.append(2 * {"e3": lambda c: c, "s3": MP.asin, "h3": MP.asinh}[geometry](half))
     return np.array(lengths, dtype=object)
 
 
 def relative_errors(got: Any, wanted: Exact | Array) -> Array:
-    """Errors (N,) of the rows of `got`, relative to the largest entry of the row of `wanted`; the shapes are the same."""
+    """Errors (N,) of the rows of `got`, relative to the largest entry of the row of `wanted`."""
     if wanted.dtype == object:
         got = exact(got)
     off = np.abs(got - wanted).reshape(len(wanted), -1).max(axis=1)
@@ -100,7 +105,7 @@ def relative_errors(got: Any, wanted: Exact | Array) -> Array:
 
 @dataclass(frozen=True)
 class Case:
-    """All records of one kind (flow, pairs, area) in one regime of one geometry; "main" is the generic one."""
+    """All records of one kind (flow, pairs, area) in one regime of a geometry; "main" is the generic one."""
 
     geometry: str
     regime: str

@@ -1,6 +1,7 @@
-"""Small kernels for tests: statements over a few parts of `kernels/`, run over NumPy arrays at one width and precision."""
+"""Small kernels for tests: statements over a few parts of `kernels/`, run over NumPy arrays."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyopencl as cl
@@ -22,36 +23,50 @@ FN point point_at(int c, size_t packet, __global const scalar *in, int stride)
 """
 
 
-class SmallKernels:
-    """`bodies` maps the name of a kernel to its statements, which read IN(c) or POINT(c) and write OUT(c, value).
+class Body(NamedTuple):
+    """Statements that read IN(c) or POINT(c), c < inputs, and write OUT(c, value) for every c < outputs."""
 
-    `parts` are the files of `kernels/` before them; a constant buffer of scene numbers is called `numbers`.
+    inputs: int
+    outputs: int
+    text: str
+
+
+class SmallKernels:
+    """`parts` are files of `kernels/`, then come the text `head` and the kernels, `bodies` by name.
+
+    A constant buffer of scene numbers is called `numbers`.
     """
 
     def __init__(
         self,
         device: Device,
         parts: Sequence[str],
-        bodies: Mapping[str, str],
+        bodies: Mapping[str, Body],
         precision: str,
         lanes: int,
         head: str = "",
     ) -> None:
-        arguments = "__global const scalar *in, __global scalar *out, int stride, __constant const scalar *numbers"
+        arguments = (
+            "__global const scalar *in, __global scalar *out, int stride, __constant const scalar *numbers"
+        )
         kernels = (
-            f"__kernel void small_{name}({arguments})\n{{\n  size_t packet = get_global_id(0);\n{body}\n}}\n"
+            f"__kernel void small_{name}({arguments})\n"
+            f"{{\n  size_t packet = get_global_id(0);\n{body.text}\n}}\n"
             for name, body in bodies.items()
         )
         text = "\n".join([_HEAD, head, *kernels])
         source = Source((*parts, "small_kernels"), generated={"small_kernels": text})
         self.device = device
         self.lanes = lanes
-        self.dtype = np.dtype(np.float64 if precision == "double" else np.float32)
+        self._bodies = bodies
+        self.dtype: type[np.floating[Any]] = np.float64 if precision == "double" else np.float32
         self._program = build(device, source, precision, lanes)
 
-    def run(self, name: str, inputs: ArrayLike, outputs: int = 1, numbers: ArrayLike = (0.0,)) -> NDArray[np.floating]:
-        """`inputs` (components, N), rounded to the precision; the result is (outputs, N) in that precision."""
+    def run(self, name: str, inputs: ArrayLike, numbers: ArrayLike = (0.0,)) -> NDArray[np.floating]:
+        """`inputs` (inputs, N), rounded to the precision; the result is (outputs, N) in that precision."""
         rows = np.atleast_2d(np.asarray(inputs, self.dtype))
+        outputs = self._bodies[name].outputs
+        assert len(rows) == self._bodies[name].inputs
         count = rows.shape[1]
         packet = self.lanes * LOCAL_SIZE
         stride = -(-count // packet) * packet

@@ -630,3 +630,23 @@ def test_names():
 
 def test_form():
     np.testing.assert_array_equal([form(g)[3] for g in ("e3", "s3", "h3")], [0, 1, -1])
+
+
+@pytest.mark.parametrize("degrees", [45.0, 57.3])
+def test_a_turn_that_does_not_fit_the_face_is_refused(degrees: float) -> None:
+    """The planes fit, but the images of the cube overlap."""
+    cube = tl.named("e3", "three-torus")
+    maps = np.array(cube.maps)
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    maps[4] = maps[4] @ np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    maps[5] = np.linalg.inv(maps[4])
+    with pytest.raises(tl.LatticeError, match="does not tile space") as error:
+        tl.from_matrices("e3", maps, cube.walls)
+    assert error.value.what == "generators" and error.value.index in (4, 5)
+
+
+def test_bricks_laid_half_over_each_other_are_a_lattice() -> None:
+    cube = tl.named("e3", "three-torus")
+    maps = np.array(cube.maps)
+    maps[0, 1, 3], maps[1, 1, 3] = -0.3, 0.3
+    assert len(tl.from_matrices("e3", maps, cube.walls).walls) == 6

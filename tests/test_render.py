@@ -87,7 +87,10 @@ def test_single_precision_shows_what_double_shows(text, opencl_device):
 
 def test_depth_of_a_ball_straight_ahead_is_the_distance_to_its_surface():
     for geometry in ("e3", "s3", "h3"):
-        text = f"geometry: {geometry}\nobjects:\n  - ball: {{radius: 0.3}}\n    at: [1.2, 0, 0]\n"
+        text = (
+            f"geometry: {geometry}\ncamera: {{at: [0, 0, 0]}}\n"
+            "objects:\n  - ball: {radius: 0.3}\n    at: [1.2, 0, 0]\n"
+        )
         image = picture(text, size=(33, 33), precision="double")
         assert image.channels["depth"][16, 16] == pytest.approx(0.9, abs=2e-4), geometry
         # The frame at the hit point is carried along the same geodesic, so the ball's pole shows -x.
@@ -96,7 +99,8 @@ def test_depth_of_a_ball_straight_ahead_is_the_distance_to_its_surface():
 
 def test_what_is_not_hit_has_no_object_no_cell_and_infinite_depth():
     image = picture(
-        "geometry: e3\nobjects: [{ball: {radius: 0.3}, at: [2, 0, 0]}]\nbackground: [0.1, 0.2, 0.3]\n"
+        "geometry: e3\ncamera: {at: [0, 0, 0]}\nobjects: [{ball: {radius: 0.3}, at: [2, 0, 0]}]\n"
+        "background: [0.1, 0.2, 0.3]\n"
     )
     missed = image.channels["object"] == 0
     assert missed[0, 0] and not missed[48, 80]
@@ -200,6 +204,28 @@ def test_camera_inside_an_object_is_an_error_at_its_line():
     text = "geometry: h3\ncamera: {at: [0.1, 0, 0]}\nobjects: [{ball: {radius: 0.3}}]\n"
     with pytest.raises(SceneError, match="camera is inside an object"):
         picture(text)
+
+
+def test_camera_that_looks_at_its_own_place_is_an_error_at_its_line():
+    text = "geometry: h3\ncamera: {at: [0, 0, 3], look: {to: [0, 0, 3]}}\nobjects: [{ball: {radius: 0.3}}]\n"
+    with pytest.raises(SceneError, match="camera stands at the point it looks at"):
+        picture(text)
+
+
+def test_a_picture_of_nothing_is_remarked_on():
+    text = "geometry: s3\nmanifold: poincare\nobjects: [{tile: {ball: 0.6}}]\n"
+    with pytest.warns(UserWarning, match="no ray hit anything"):
+        picture(text)
+
+
+def test_nothing_behind_a_light_shades_this_side_of_it():
+    text = (
+        "geometry: e3\ncamera: {at: [0, -2, 1.5], look: {to: [0, 0, 0]}}\n"
+        "objects:\n  - half-space: {}\n  - ball: {radius: 0.4}\n    at: [0, 0, 3]\n"
+        "lights:\n  - point: {at: [0, 0, 1], intensity: 2}\n%s"
+    )
+    bare, shaded = picture(text % ""), picture(text % "    shadows: hard\n")
+    np.testing.assert_array_equal(bare.channels["beauty"], shaded.channels["beauty"])
 
 
 def test_tile_vertices_that_are_no_points_are_an_error():

@@ -2,12 +2,16 @@
 geometry.
 
 Points are 4-vectors of the geometry's model (paper sections 7.1-7.3): [x, y, z, 1] in e3; [x, y, z, w] on the
-unit sphere in s3 and on the sheet x^2 + y^2 + z^2 - w^2 = -1, w > 0 in h3. The origin is [0, 0, 0, 1].
-Directions have three components: a unit vector in the frame at a point p that translation(p), the
-transvection from the origin to p, carries from the origin. Lengths are in units of the geometry's curvature.
-Arrays are float64, first axis N, whatever the precision inside.
+unit sphere in s3 and on the sheet x^2 + y^2 + z^2 - w^2 = -1, w > 0 in h3, with the origin [0, 0, 0, 1]; in
+s2xe and h2xe (paper 8.1) [x, y, z] is on the unit sphere or on the sheet x^2 + y^2 - z^2 = -1, z > 0 and w on
+the line, with the origin [0, 0, 1, 0]. Nil (9) has [x, y, z, 1] in the rotation-invariant model; sl2 (10) has
+[x, y, z, w] with the same sheet over [x, y] and w along the fibre, and the origin [0, 0, 1, 0].
+Directions have three components: a unit vector in the frame at a point p that translation(p), left
+translation in nil and sl2 and else the transvection from the origin to p, carries from the origin. Lengths
+are in units of the geometry's curvature. Arrays are float64, first axis N, whatever the precision inside.
 """
 
+import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -25,6 +29,9 @@ Array = NDArray[np.float64]
 # How far an input may be off its model or its unit length: far above rounding, far below a mistake.
 MODEL_TOLERANCE = 1e-6
 
+# Coordinates whose squares still fit single precision: in h3 points up to a distance of 44.
+SINGLE_LIMIT = 1e19
+
 
 # The origin of each model.
 ORIGIN = dict.fromkeys(("e3", "s3", "h3", "nil"), (0.0, 0.0, 0.0, 1.0)) | dict.fromkeys(
@@ -35,10 +42,10 @@ ORIGIN = dict.fromkeys(("e3", "s3", "h3", "nil"), (0.0, 0.0, 0.0, 1.0)) | dict.f
 class Geometry:
     """One of Thurston's geometries on one OpenCL device.
 
-    name: "e3", "s3" or "h3". precision: "single" or "double", the arithmetic inside. device: what `--device`
-    accepts, None for the default choice. flow: "exact". lanes: width of the kernels, None for the device's
-    default. Raises ValueError for unknown names and wrong arrays, NoDeviceError where nothing can build a
-    kernel.
+    name: one of `thurston_cl.program.GEOMETRIES`. precision: "single" or "double", the arithmetic inside.
+    device: what `--device` accepts, None for the default choice. flow: "exact". lanes: width of the kernels,
+    None for the device's default. Raises ValueError for unknown names and wrong arrays, NoDeviceError where
+    nothing can build a kernel.
     """
 
     def __init__(
@@ -74,8 +81,8 @@ class Geometry:
         """Follow geodesics from `base` (N,4; default the origin) along `direction` (N,3) for the length
         `time` (N,).
 
-        Returns the points (N,4) and the directions of travel there (N,3). Paper 7.1-7.3; math of the frame:
-        `isotropic.h`.
+        Returns the points (N,4) and the directions of travel there (N,3). Paper 7.1-7.3, 9.1, 10.3, without
+        cases; math of the frame: `isotropic.h`, `product.h`, `nil.h`, `sl2.h`.
         """
         u, t, b = self._rays(direction, time, base)
         out = self._run("flow", [b, u, *self._with_tail(t)], 7)
@@ -92,15 +99,17 @@ class Geometry:
         """Parallel transport (N,3,3) along the geodesics of `flow`, from the frame at the start to the frame
         at the end.
 
-        From the origin it is the identity here, since the frames themselves are transported along these
-        geodesics (paper 7.4).
+        From the origin it is the identity where frames are transported along these geodesics themselves
+        (paper 7.4). In nil and sl2 frames are left-invariant, and it is the matrix Q of paper 9.2 and 10.3.
         """
         u, t, b = self._rays(direction, time, base)
         return self._run("transport", [b, u, *self._with_tail(t)], 9).reshape(-1, 3, 3)
 
     def distance(self, point: ArrayLike, base: ArrayLike | None = None) -> Array:
         """The exact distance (N,) of `point` (N,4) from `base` (N,4; default the origin)."""
-        return self._run("distance", self._pair_with_tails(point, base), 1)[:, 0]
+        out = self._run("distance", self._pair_with_tails(point, base), 2)
+        _warn_unsolved("distance", out[:, 1])
+        return out[:, 0]
 
     def underestimate(self, point: ArrayLike) -> Array:
         """A lower bound (N,) of the distance of `point` (N,4) from the origin, cheap enough to march with."""
@@ -111,12 +120,18 @@ class Geometry:
 
         Returns directions at the base (N,count,3) and lengths (N,count), shortest first, NaN where there are
         fewer: e3 and h3 have one; s3 has two shorter than 2 pi, and each again with every full turn (paper
-        7.5). At an s3 antipode every direction is right; one is returned.
+        7.5). At an s3 antipode every direction is right; one is returned. h2xe has one; s2xe has as many as
+        s3: those of the sphere, risen to the same end (8.4). nil and sl2 have one, and two more for each full
+        turn that can reach the height (9.4, 10.4), complete and in order up to rounding. Right above or below
+        the base on its fibre, two of each number of turns fuse to a circle of geodesics: the one of them that
+        leaves over +x is returned, to be turned about the fibre by any angle; the fibre itself comes last.
+        RuntimeWarning where a solve ended at the bound of iterations.
         """
         if count < 1:
             raise ValueError(f"count is {count}; expected at least 1")
         arrays = self._pair_with_tails(point, base)
-        out = np.stack([self._run("geodesic", arrays, 4, k) for k in range(count)], axis=1)
+        out = np.stack([self._run("geodesic", arrays, 5, k) for k in range(count)], axis=1)
+        _warn_unsolved("geodesics", out[:, :, 4])
         return out[:, :, :3], out[:, :, 3]
 
     def area_density(self, direction: ArrayLike, time: ArrayLike) -> Array:
@@ -139,7 +154,13 @@ class Geometry:
         )
 
     def translation_matrix(self, base: ArrayLike) -> Array:
-        """translation(base) as matrices (N,4,4) that act on points written as columns."""
+        """translation(base) as matrices (N,4,4) that act on points written as columns.
+
+        Raises ValueError in s2xe, h2xe and sl2, where translations along the line or fibre are not linear in
+        these coordinates.
+        """
+        if self.name in ("s2xe", "h2xe", "sl2"):
+            raise ValueError(f"translations of {self.name} are no 4x4 matrices; use translate")
         b = self._points("base", base)
         columns = [self._run("translate", [b, np.broadcast_to(row, b.shape)], 4) for row in np.eye(4)]
         return np.stack(columns, axis=2)
@@ -183,6 +204,9 @@ class Geometry:
         p = _rows(what, points, 4)
         if not p.size:
             return p
+        if self.precision == "single" and np.abs(p).max() > SINGLE_LIMIT:
+            worst = int(np.abs(p).max(axis=1).argmax())
+            raise ValueError(f"{what} {worst} is too far away for single precision; use precision='double'")
         defect, model = _off_model(self.name, p)
         if defect.max() > MODEL_TOLERANCE:
             worst = int(defect.argmax())
@@ -235,6 +259,17 @@ def _off_model(geometry: str, p: Array) -> tuple[Array, str]:
         case _:
             height = np.sqrt(1 + x**2 + y**2 + z**2)
             return np.abs(w - height) / height, "w = sqrt(1 + x^2 + y^2 + z^2)"
+
+
+def _warn_unsolved(what: str, reached_bound: Array) -> None:
+    """Say how many solves of an iterating kernel ended at its bound: their results are the best so far."""
+    unsolved = int(reached_bound.sum())
+    if unsolved:
+        warnings.warn(
+            f"{what}: {unsolved} of {reached_bound.size} solves reached the iteration bound",
+            RuntimeWarning,
+            stacklevel=3,
+        )
 
 
 def _finite(what: str, values: ArrayLike) -> Array:

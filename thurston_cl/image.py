@@ -153,6 +153,9 @@ class Image:
     def _saved_metadata(self) -> dict[str, str]:
         return {key: text for key, text in self.metadata.items() if text}
 
+    def __repr__(self) -> str:
+        return f"<Image {self.width}x{self.height}: {', '.join(self.channels)}>"
+
     def _repr_png_(self) -> bytes | None:
         """The beauty as a PNG, by which a notebook shows the picture."""
         if "beauty" not in self.channels:

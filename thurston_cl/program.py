@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 LANE_WIDTHS = (1, 4, 8, 16, 32, 64)
 LOCAL_SIZE = 16  # PoCL compiles a kernel once per local size, so there is only one
+_TWISTED_PARTS = ("special/two_part.h", "special/stumpff.h", "special/newton.h", "geometry/twisted.h")
 # The kernel files of each geometry, after lanes.h and special/elementary.h.
 _GEOMETRY_PARTS = {
     "e3": ("geometry/e3.h", "geometry/isotropic.h"),
@@ -42,8 +43,8 @@ _GEOMETRY_PARTS = {
         "geometry/h2xe.h",
         "geometry/product.h",
     ),
-    "nil": ("special/stumpff.h", "geometry/nil.h"),
-    "sl2": ("special/stumpff.h", "geometry/sl2.h"),
+    "nil": (*_TWISTED_PARTS, "geometry/nil.h"),
+    "sl2": (*_TWISTED_PARTS, "geometry/sl2.h"),
 }
 GEOMETRIES = tuple(_GEOMETRY_PARTS)
 
@@ -97,7 +98,7 @@ def build(device: "Device", source: Source, precision: str, lanes: int) -> "cl.P
     import pyopencl as cl
 
     options = source.options(precision, lanes)
-    key = (device.info.id, hashlib.sha256(source.text.encode()).hexdigest(), *options)
+    key = (device.context, hashlib.sha256(source.text.encode()).hexdigest(), *options)
     if key not in _built:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", cl.CompilerWarning)

@@ -4,6 +4,7 @@ import datetime
 import json
 import platform
 import time
+import warnings
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -97,6 +98,8 @@ def render(
     plan = make_plan(scene, device=chosen, size=whole, channels=channels)
     renderer = TileRenderer(plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish)
     image_channels, statistics = _render_tiles(renderer, area, samples, channels, progress)
+    if statistics["hits"] == 0:
+        warnings.warn("no ray hit anything: is every object out of sight?", stacklevel=2)
     statistics |= {
         "seconds": time.perf_counter() - started,
         "device": chosen.info.name,

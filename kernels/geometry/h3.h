@@ -3,7 +3,11 @@
 // METHOD. Distance from h = 2 cosh d - 2 formed from the spatial parts, in which nothing cancels; acosh only where the points
 // lie on opposite sides of the origin and far apart. Hyperboloid coordinates quantise a position at EPSILON e^distance: keep
 // points near the origin by teleporting.
-// ACCURACY (maximal relative error, tests/test_golden.py)   float 2e-7 within 3 of the origin, 1.4e-3 at 12   double 4e-16, 3.4e-12
+// ACCURACY (maximal relative error, tests/test_golden.py; r is the distance from the origin)
+//   points, velocity                   float 8e-7     double 2e-15   from the origin to t = 38: 1.4e-7, 3e-15
+//   distance, both within r = 3        float 2.1e-7   double 4.3e-16
+//   distance, r = 6; 12; 15            float 4.2e-6; 1.7e-3; 1.9e-3   double 6.4e-15; 4.1e-12; 2.8e-12
+//   direction                          7 EPSILON w: in float meaningless beyond r = 12, in double 1.2e-9 at 15
 #define CURVATURE -1
 FN real curved_sine(real t, real *cosine) { return sinh_cosh(t, cosine); }
 FN real arc_of_sine(real s) { return copysign(area_sinh(fabs(s)), s); }
@@ -19,8 +23,9 @@ FN real origin_distance(point p)
 
 FN real height(real3_lanes x) { return sqrt(REAL(1) + dot_3(x, x)); }
 
-// Length along the axis through o of the foot of a point, from its coordinate z along the axis and w.
-FN real axis_length(real z, real w) { return arc_of_sine(z * rsqrt((w - z) * (w + z))); }
+// Length along the axis through o of the foot of a point, from its coordinate z along the axis, the square of those across it,
+// and w.
+FN real axis_length(real z, real across_square, real w) { return arc_of_sine(z * rsqrt(REAL(1) + across_square)); }
 
 FN void chord(point p, point q, point p_tail, point q_tail, real4_lanes *d, real4_lanes *sum)
 {
@@ -49,24 +54,30 @@ FN real distance_between(point p, point q, point p_tail, point q_tail)
 
 // Beyond this |x|^2 the direction is split into the part along x and the part across.
 #define SPLIT_DIRECTION_ABOVE 1
-// Where q lies from p, in the frame at p, not normalised: the spatial part of untranslate(p, d), d = q - p. Formed directly
-// it cancels to EPSILON w^2. Split along n = x/|x|, a = n . d and b^2 = |d - a n|^2, W = w_p + w_q, the part along n is
-// (2 a W - b^2 (|x| W - a w_p))/(W^2 - a^2), whose terms are of the size of the result.
+// Where q lies from p, in the frame at p, not normalised: the spatial part of untranslate(p, q).
+// Where x_p . x_q < 0 its terms have one sign. Near the origin it is formed from the chord d = q - p. Elsewhere it would
+// cancel to EPSILON w^2; split along n = x_p/|x_p|, a = n . d and b^2 = |d - a n|^2, W = w_p + w_q, the part along n is
+// (2 a W - b^2 (|x_p| W - a w_p))/((W - a)(W + a)), whose terms are of the size of the result.
 FN direction towards(point p, point q, point p_tail, point q_tail)
 {
   real4_lanes d4, sum;
   chord(p, q, p_tail, q_tail, &d4, &sum);
-  real3_lanes x = first_3(p), d = first_3(d4);
-  real along = fma(-dot_3(x, d), inverse_one_plus_w(p), d4.w);
-  direction near_origin = add_scaled_3(d, x, -along);
+  real3_lanes x = first_3(p), x_q = first_3(q), d = first_3(d4);
+  real w_q = height(x_q), inverse = inverse_one_plus_w(p), along = dot_3(x, x_q);
+  direction opposite_side = add_scaled_3(x_q, x, fma(along, inverse, -w_q));
+  direction near_origin = add_scaled_3(d, x, fma(dot_3(x, d), inverse, -d4.w));
 
   real r = sqrt(fmax(dot_3(x, x), REAL(SPLIT_DIRECTION_ABOVE)));
   real3_lanes n = scale_3(x, REAL(1) / r);
-  real a = dot_3(n, d), w_p = height(x), total = w_p + height(first_3(q));
-  direction across = add_scaled_3(d, n, -a);
-  real forward = (REAL(2) * a * total - dot_3(across, across) * fma(r, total, -a * w_p)) / ((total - a) * (total + a));
-  mask split = (dot_3(x, x) > REAL(SPLIT_DIRECTION_ABOVE)) & NOT(dot_3(x, first_3(q)) < REAL(0));
-  return select_3(split, add_scaled_3(across, n, forward), near_origin);
+  real a = dot_3(n, d), w_p = height(x), total = w_p + w_q;
+  // The part across, from the shorter of d and x_q; and W + a = (w_p - r) + w_q + n . x_q, in which r has gone.
+  real3_lanes shorter = select_3(dot_3(x_q, x_q) < dot_3(d, d), x_q, d);
+  direction across = add_scaled_3(shorter, n, -dot_3(n, shorter));
+  real total_plus_a = REAL(1) / (w_p + r) + w_q + dot_3(n, x_q);
+  real forward = (REAL(2) * a * total - dot_3(across, across) * fma(r, total, -a * w_p)) / ((total - a) * total_plus_a);
+  mask split = dot_3(x, x) > REAL(SPLIT_DIRECTION_ABOVE);
+  direction same_side = select_3(split, add_scaled_3(across, n, forward), near_origin);
+  return select_3(along < REAL(0), opposite_side, same_side);
 }
 
 // cosh t (n . p) + sinh t (n . v) = 0 has a solution only where the ratio exceeds 1.
@@ -77,11 +88,14 @@ FN real crossing_time(real ratio)
   return SELECT(crosses, REAL(C(0.5)) * log((r + REAL(1)) / (r - REAL(1))), REAL(INFINITY));
 }
 
-// w from x, and the direction normalised in the frame at p: the ambient product |v_x|^2 - v_w^2 would lose w^2 EPSILON.
+// A computed point, put back on the sheet.
+FN point on_model(point p) { return with_w(first_3(p), height(first_3(p))); }
+
+// The point on the sheet, and the direction normalised in the frame at p: the ambient product |v_x|^2 - v_w^2 would lose w^2 EPSILON.
 FN void reproject(point *p, vector *v)
 {
   real3_lanes x = first_3(*p);
-  p->w = height(x);
+  *p = on_model(*p);
   real inverse = inverse_one_plus_w(*p);
   direction u = add_scaled_3(first_3(*v), x, -v->w * inverse);
   u = scale_3(u, unit_correction(dot_3(u, u)));

@@ -52,9 +52,15 @@ FN point untranslate(point p, point q) { return translate(opposite(p), q); }
 // Spin(4), SL(2, C)), which has no small difference unless the points are nearly antipodal.
 FN direction turn_frame(point b, point c, direction u)
 {
-  real scalar_part = fma(REAL(1) + b.w, REAL(1) + c.w, REAL(-CURVATURE) * dot_3(first_3(b), first_3(c)));
+  real above = REAL(1) / (inverse_one_plus_w(b) * inverse_one_plus_w(c));
+  real scalar_part = fma(REAL(-CURVATURE), dot_3(first_3(b), first_3(c)), above);
   direction axis = scale_3(cross_3(first_3(b), first_3(c)), REAL(CURVATURE));
-  real k = REAL(2) / fma(scalar_part, scalar_part, dot_3(axis, axis));
+  // Scaled to size 1 before they are squared: both parts are small near the antipode of o, and large far out in h3.
+  real size = fmax(fmax(fabs(scalar_part), fabs(axis.x)), fmax(fabs(axis.y), fabs(axis.z)));
+  real scale = REAL(1) / fmax(size, REAL(TINY));
+  scalar_part *= scale;
+  axis = scale_3(axis, scale);
+  real k = REAL(2) / fmax(fma(scalar_part, scalar_part, dot_3(axis, axis)), REAL(TINY));
   direction once = cross_3(axis, u);
   return add_scaled_3(add_scaled_3(u, once, k * scalar_part), cross_3(axis, once), k);
 }
@@ -86,10 +92,13 @@ FN mask geodesic(point p, point q, point p_tail, point q_tail, int k, direction 
 {
   real shortest = distance_between(p, q, p_tail, q_tail);
   direction to = towards(p, q, p_tail, q_tail);
-  real n = sqrt(dot_3(to, to));
-  mask degenerate = NOT(n > REAL(TINY));
-  to = scale_3(to, REAL(1) / fmax(n, REAL(TINY)));
-  to.z = SELECT(degenerate, REAL(1), to.z);
+  // Scaled to size 1 before it is squared: nearby points may be nearer than the root of the smallest number.
+  real size = fmax(fmax(fabs(to.x), fabs(to.y)), fabs(to.z));
+  mask degenerate = NOT(size > REAL(TINY));
+  to = scale_3(to, REAL(1) / fmax(size, REAL(TINY)));
+  direction any_direction = {REAL(0), REAL(0), REAL(1)};
+  to = select_3(degenerate, any_direction, to);
+  to = scale_3(to, REAL(1) / sqrt(dot_3(to, to)));
 #if CURVATURE == 1
   int back = k & 1;
   *u = back ? scale_3(to, REAL(-1)) : to;

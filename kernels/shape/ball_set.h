@@ -1,5 +1,6 @@
 // ball_set.h - the union of `count` balls of one radius; centres stand in the scene's numbers, 4 each.
 // Distance grows with the chord, so one chord a ball is compared and one arc taken.
+// ACCURACY: in h3 the chord loses EPSILON w^2: in float 2e-6 at 3 from the origin, 1.7e-5 at 5, 5e-4 at 8.
 FN real chord_square(point p, scene_data scene, int centre)
 {
   __constant const scalar *c = scene.numbers + centre;

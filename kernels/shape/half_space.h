@@ -4,6 +4,7 @@ FN real half_space_distance(point q) { return arc_of_sine(q.z); }
 
 FN surface half_space_surface(point q)
 {
-  surface s = {half_space_distance(q), {REAL(0), REAL(0), REAL(1), REAL(0)}, axis_length(q.x, q.w), arc_of_sine(q.y)};
+  surface s = {half_space_distance(q), {REAL(0), REAL(0), REAL(1), REAL(0)},
+               axis_length(q.x, fma(q.y, q.y, q.z * q.z), q.w), arc_of_sine(q.y)};
   return s;
 }

@@ -5,12 +5,12 @@
 //
 // ACCURACY (maximal error in units of EPSILON of the result, 2e5 points each; measured by tests/test_elementary.py)
 //   function        domain                 float   double  note
-//   sin_cos         |x| <= 1e3             2       2       absolute error: relative near the zeros of the result is lost
-//   arc_tangent_2   all quadrants          3       2
-//   log_1p          x > -1/2               3       3
-//   area_sinh       x >= 0, to overflow    3       4
+//   sin_cos         |x| <= 1e3             1       1       absolute error: relative near the zeros of the result is lost
+//   arc_tangent_2   all quadrants          2       1
+//   log_1p          x > -1/2               2       2       NaN, not inf, at inf
+//   area_sinh       x >= 0, finite         2       2       NaN, not inf, at inf
 //   area_cosh       x >= 2, to overflow    2       2       used only away from 1: elsewhere change the variable
-//   sinh_cosh       |t| <= 20              4       4       poor beyond, as exp is: the error grows as EPSILON * |t|
+//   sinh_cosh       |t| <= 20              2       2
 #ifdef FP64
 // fdlibm's minimax kernels on [-pi/4, pi/4]; pi/2 in three parts (Cody and Waite), exact for |x| below 1e5.
 #define HALF_PI_HIGH -1.5707963267341256

@@ -42,6 +42,11 @@ class Lattice:
         """The base point (4,) inside the domain: the origin."""
         return ORIGIN
 
+    @property
+    def inradius(self) -> float:
+        """Distance from the centre to the nearest wall."""
+        return float(self.clearance(self.centre[None])[0])
+
     @cached_property
     def inverses(self) -> Array:
         """Inverses (F,4,4) of the maps: the elements that carry the domain to its neighbours."""

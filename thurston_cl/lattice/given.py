@@ -5,13 +5,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from thurston_cl.lattice.cycles import edge_cycles
 from thurston_cl.lattice.domain import Lattice, pairing_defects
 from thurston_cl.lattice.isometry import (
+    ORIGIN,
     Array,
     LatticeError,
     curvature,
     inverse,
     keeps_sheet,
+    on_model,
     residual,
     snap,
     tidy,
@@ -19,6 +22,12 @@ from thurston_cl.lattice.isometry import (
 )
 from thurston_cl.lattice.polyhedron import Polyhedron
 
+# A trial whether the domain's images overlap: so many points of it, moved by all words of so many generators.
+# Shorter words miss rotations that fit a face but not its corners; longer ones cost seconds.
+TRIAL_POINTS = 200
+TRIAL_WORD_LENGTH = 3
+# How deep inside the domain an image must be to count: far above rounding, far below any cell.
+OVERLAP = 1e-6
 # The origin must be at least this far inside every wall.
 INSIDE = 1e-9
 
@@ -33,7 +42,8 @@ def from_matrices(
     too, and a generator must carry the plane of its half-space to that of its inverse, with the sides
     exchanged. Numbers may be off by `tolerance`, relative to the largest; generators and planes are then
     corrected to rounding. A gluing whose angles around an edge do not add up to 2 pi/k is allowed (a cone
-    manifold, paper 4.3): see `edge_cycles`.
+    manifold, paper 4.3): see `edge_cycles`. So is one whose faces meet like bricks, if the images of the
+    domain do not overlap.
 
     Raises LatticeError: `what` is "generators" or "domain", `index` the entry to blame, from 0, if there is
     one. Its text counts from 1.
@@ -72,7 +82,33 @@ def from_matrices(
                 "does not bound the domain, for the others already imply it; "
                 "leave it out with its generator, or correct its numbers",
             )
-    return Lattice(name, geometry, walls, maps, "given by generators and half-spaces")
+    lattice = Lattice(name, geometry, walls, maps, "given by generators and half-spaces")
+    _check_tiling(lattice)
+    return lattice
+
+
+def _check_tiling(lattice: Lattice) -> None:
+    """Either every face is carried onto a face, edge to edge (a cone manifold is), or, like bricks that are
+    laid half over each other, the images of the domain do not overlap.
+    """
+    try:
+        edge_cycles(lattice)
+        return
+    except LatticeError as error:
+        mismatch = error
+    points = (
+        np.random.default_rng(0).normal(size=(TRIAL_POINTS, 4)) * [1, 1, 1, 0] * lattice.inradius + ORIGIN
+    )
+    points = on_model(lattice.geometry, points)
+    points = points[lattice.contains(points, -OVERLAP)]
+    words = lattice.maps
+    for _ in range(TRIAL_WORD_LENGTH - 1):
+        words = np.concatenate([words, np.einsum("fij,wjk->wfik", lattice.maps, words).reshape(-1, 4, 4)])
+    moved = np.abs(words - np.eye(4)).max(axis=(1, 2)) > OVERLAP
+    images = np.einsum("wij,nj->wni", words[moved], points)
+    if lattice.contains(images, -OVERLAP).any():
+        text = "the images of the domain overlap, so that it does not tile space"
+        raise LatticeError(f"{mismatch}; {text}", "generators", mismatch.index)
 
 
 def _blame(what: Literal["generators", "domain"], index: int, text: str) -> LatticeError:

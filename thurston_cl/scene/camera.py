@@ -105,9 +105,10 @@ class Projection(Node):
     perspective: Perspective = Field(description="Straight lines through one point.")
 
 
-# Where the camera stands and looks if the scene does not say: in a manifold beside the middle of the cell,
-# where tiles and balls leave room, and askew; in the whole space facing the origin.
-IN_MANIFOLD: Mapping[str, Any] = {"at": (-0.25, -0.2, 0.12), "look": {"along": (1, 0.55, 0.1)}}
+# Where the camera stands and looks if the scene does not say. In a manifold beside the middle of the cell,
+# where tiles and balls leave room, and askew; lengths are multiples of the distance from the middle to the
+# nearest wall. In the whole space facing the origin.
+IN_MANIFOLD: Mapping[str, Any] = {"at": (-0.68, -0.5, 0.35), "look": {"along": (1, 0.5, -0.2)}}
 IN_WHOLE_SPACE: Mapping[str, Any] = {"at": (-1.3, -0.5, 0.4), "look": {"to": (0, 0, 0)}}
 
 
@@ -119,9 +120,8 @@ class Camera(Node):
 
     at: Point = Field(
         default=(0.0, 0.0, 0.0),
-        description="Where the camera stands. Left out: in a manifold beside the middle of the cell, at "
-        "[-0.25, -0.2, 0.12], looking along [1, 0.55, 0.1]; in the whole space at [-1.3, -0.5, 0.4], looking "
-        "at the origin; unless look says otherwise.",
+        description="Where the camera stands. Left out: in a manifold beside the middle of the cell, looking "
+        "past it; in the whole space at [-1.3, -0.5, 0.4], looking at the origin.",
         json_schema_extra={"default": "see there"},
     )
     look: Look = Field(default=Look(), description="Which way it looks.")
@@ -130,9 +130,9 @@ class Camera(Node):
         description="Steps from there, in this order, along geodesics with parallel transport (paper, 3.4).",
     )
     fov: FieldOfView = Field(
-        default=math.radians(90),
+        default=math.radians(80),
         description="Angle of view from bottom to top, between 0 and 180 deg.",
-        json_schema_extra={"default": "90 deg"},
+        json_schema_extra={"default": "80 deg"},
     )
     projection: Projection = Field(
         default=Projection(perspective=Perspective()),
@@ -142,6 +142,8 @@ class Camera(Node):
     @classmethod
     def fill(cls, data: dict[str, Any], context: Context) -> None:
         if "at" not in data:
-            view = IN_MANIFOLD if context.manifold else IN_WHOLE_SPACE
-            data["at"] = list(view["at"])
+            view, unit = IN_WHOLE_SPACE, 1.0
+            if context.lattice is not None:
+                view, unit = IN_MANIFOLD, context.lattice.inradius
+            data["at"] = [unit * component for component in view["at"]]
             data.setdefault("look", {key: list(value) for key, value in view["look"].items()})

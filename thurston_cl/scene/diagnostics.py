@@ -42,6 +42,10 @@ class SceneReport(SceneError):
         super().__init__("\n".join([*shown, f"{count} error{'s' * (count != 1)} in {name}{rest}"]))
 
 
+# A colour without its quotes, which YAML takes for a comment.
+_BARE_COLOR = re.compile(r"[:\[,]\s+(#[0-9a-fA-F]{6}|#[0-9a-fA-F]{3})\b")
+
+
 def split_lines(text: str) -> list[str]:
     """The lines of a text, broken where YAML breaks them."""
     return _LINE_BREAK.split(text)
@@ -55,8 +59,12 @@ def _show(name: str, lines: list[str], diagnostic: Diagnostic) -> str:
         if diagnostic.line <= len(lines):
             line, before = _excerpt(lines[diagnostic.line - 1], diagnostic.column - 1)
             head += [f"{diagnostic.line:5} | {line}".rstrip(), f"      | {before}^"]
-    if diagnostic.help:
-        head.append(f"      = help: {diagnostic.help}")
+    comment = _BARE_COLOR.search(lines[diagnostic.line - 1]) if 0 < diagnostic.line <= len(lines) else None
+    help = (
+        f"'#' begins a comment; write the colour in quotes: \"{comment[1]}\"" if comment else diagnostic.help
+    )
+    if help:
+        head.append(f"      = help: {help}")
     return "\n".join(head)
 
 

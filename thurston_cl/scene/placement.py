@@ -14,6 +14,8 @@ from thurston_cl.lattice.isometry import on_model, snap
 from thurston_cl.scene import schema
 
 Array = NDArray[np.float64]
+# Below this sine of their angle, the direction of view and up leave no plane for the picture's sides.
+PARALLEL = 1e-9
 Z_AXIS = np.array([0.0, 0.0, 1.0])
 
 
@@ -72,9 +74,14 @@ class CameraFrame:
         self.point = place.point(camera.at)
         forward = np.asarray(camera.look.along, dtype=np.float64)
         if camera.look.to is not None:
-            forward = place.geometry.geodesics(place.point(camera.look.to), 1, base=self.point)[0][0, 0]
+            directions, lengths = place.geometry.geodesics(place.point(camera.look.to), 1, base=self.point)
+            if lengths[0, 0] == 0:
+                raise ValueError("the camera stands at the point it looks at")
+            forward = directions[0, 0]
         forward = forward / np.linalg.norm(forward)
         right = np.cross(forward, np.asarray(camera.look.up, dtype=np.float64))
+        if np.linalg.norm(right) <= PARALLEL * np.linalg.norm(camera.look.up):
+            raise ValueError("the direction of view is parallel to up")
         right = right / np.linalg.norm(right)
         self.frame = np.stack([right, np.cross(right, forward), forward])
         for step in camera.move:

@@ -118,8 +118,7 @@ def make_plan(
     device = device or devices.choose()
     wanted = {channel for output in scene.outputs for channel in output.channels} | set(channels)
     geometry = Geometry(scene.geometry, "double" if device.info.fp64 else "single", device)
-    default_far = FAR if scene.lattice is None else FAR_IN_QUOTIENT
-    numbers = Numbers([scene.render.threshold, scene.render.far or default_far[scene.geometry]])
+    numbers = Numbers([scene.render.threshold, _far(scene)])
     place = Placement(geometry)
     cell_ids = "cell" in wanted and scene.lattice is not None
     writer = Writer(scene, geometry, numbers, choose_near_walls(scene, place), cell_ids)
@@ -137,8 +136,23 @@ def make_plan(
     return Plan(scene, source, np.array(numbers.values), next_cell, writer.near_walls, light_images)
 
 
+def _far(scene: schema.Scene) -> float:
+    """How far a ray goes; a cell of infinite volume keeps coordinates no smaller than the whole space."""
+    if scene.render.far is not None:
+        return scene.render.far
+    lattice = scene.lattice
+    if lattice is None or any(vertex.kind == "hyperideal" for vertex in lattice.polyhedron.vertices):
+        return FAR[scene.geometry]
+    return FAR_IN_QUOTIENT[scene.geometry]
+
+
 def _camera(scene: schema.Scene, place: Placement) -> CameraFrame:
-    camera = CameraFrame(scene.camera, place)
+    try:
+        camera = CameraFrame(scene.camera, place)
+    except ValueError as error:
+        raise scene.error_at(
+            ("camera", "look"), str(error), "look elsewhere, or choose another up"
+        ) from error
     if scene.lattice is not None and not camera.carry(scene.lattice):
         raise scene.error_at(
             ("camera",), "no group element leads the camera into the cell", "place it nearer to the origin"

@@ -22,6 +22,11 @@ from .values import (
     to_color,
 )
 
+SQUARES = (
+    "How many squares, in the two directions: once around a ball or cylinder, and from pole to pole of a "
+    "ball; in every other direction for each unit of length."
+)
+
 
 class Checker(Node):
     """A checkerboard."""
@@ -29,9 +34,7 @@ class Checker(Node):
     what = "a checker"
     example = "checker: {count: 8, colors: [white, black]}"
 
-    count: SquareCount = Field(
-        default=(8, 8), description="How many squares; two numbers count them in the two directions."
-    )
+    count: SquareCount = Field(default=(8, 8), description=SQUARES)
     colors: Annotated[
         tuple[ColorValue, ColorValue], BeforeValidator(lambda v: _two_colors(v)), Says("2 colors")
     ] = Field(default=(color("white"), color("black")), description="The colors of the two kinds of squares.")
@@ -43,9 +46,7 @@ class Grid(Node):
     what = "a grid"
     example = 'grid: {count: 8, width: 0.1, colors: [white, "#335577"]}'
 
-    count: SquareCount = Field(
-        default=(8, 8), description="How many squares; two numbers count them in the two directions."
-    )
+    count: SquareCount = Field(default=(8, 8), description=SQUARES)
     width: Fraction = Field(default=0.1, description="Width of a line, as a fraction of a square.")
     colors: Annotated[
         tuple[ColorValue, ColorValue], BeforeValidator(lambda v: _two_colors(v)), Says("2 colors")

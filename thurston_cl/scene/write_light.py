@@ -10,15 +10,16 @@ from thurston_cl.scene.writer import Writer
 Array = NDArray[np.float64]
 
 # The lights of a scene that names none, a warm one and a cool one: how far to the right of the camera, up and
-# forward they stand, and their colour times intensity. In a cell they stand on opposite sides, in the whole
-# space above.
-DEFAULT_LIGHTS_IN_CELL = (
-    ((0.32, 0.28, 0.08), (1.3, 0.85, 0.45)),
-    ((-0.5, -0.48, 0.63), (0.3, 0.6, 1.3)),
-)
+# forward they stand, and their colour times intensity. In the whole space they stand above; in a cell on
+# opposite sides, at multiples of the distance u from its middle to the nearest wall, and their intensity is
+# what arrives at distance u.
 DEFAULT_LIGHTS = (
     ((0.5, 0.6, 0.0), (2.6, 2.1, 1.5)),
     ((-0.9, 0.4, 0.4), (0.4, 0.7, 1.2)),
+)
+DEFAULT_LIGHTS_IN_CELL = (
+    ((0.5, 0.5, 0.3), (1.4, 0.77, 0.35)),
+    ((-0.7, -0.25, 0.4), (0.26, 0.56, 1.4)),
 )
 
 
@@ -31,13 +32,15 @@ def write_lights(writer: Writer, camera: CameraFrame) -> int:
     for k, light in enumerate(writer.scene.lights):
         point = writer.place.point(light.point.at)
         color = np.array(light.point.color.linear) * light.point.intensity
-        carried = _carry(point, writer.lattice)
-        if carried is None:
-            raise writer.scene.error_at(
-                ("lights", k, "point", "at"), "no group element leads this light into the cell"
-            )
+        if writer.lattice is not None:
+            carried, _, ok = writer.lattice.teleport(point[None])
+            if not ok[0]:
+                raise writer.scene.error_at(
+                    ("lights", k, "point", "at"), "no group element leads this light into the cell"
+                )
+            point = carried[0]
         loop = loops.setdefault((light.point.geodesics, light.shadows == "hard"), [])
-        for image in _images(writer.lattice, light.point.translates) @ carried:
+        for image in _images(writer.lattice, light.point.translates) @ point:
             loop += [*image, *color]
     if not writer.scene.lights:
         loops[(1, False)] = _default_lights(camera, writer)
@@ -81,22 +84,17 @@ def _images(lattice: Lattice | None, translates: "int | str") -> Array:
     return elements(lattice, count=int(translates))
 
 
-def _carry(point: Array, lattice: Lattice | None) -> Array | None:
-    """The image of a point in the cell; None where no group element leads there."""
-    if lattice is None:
-        return point
-    points, _, ok = lattice.teleport(point[None])
-    return points[0] if ok[0] else None
-
-
 def _default_lights(camera: CameraFrame, writer: Writer) -> list[float]:
+    lights, unit, intensity = DEFAULT_LIGHTS, 1.0, 1.0
+    if writer.lattice is not None:
+        lights, unit = DEFAULT_LIGHTS_IN_CELL, writer.lattice.inradius
+        intensity = float(writer.geometry.area_density([0.0, 0.0, 1.0], unit)[0])
     numbers: list[float] = []
-    for offset, color in DEFAULT_LIGHTS if writer.lattice is None else DEFAULT_LIGHTS_IN_CELL:
-        towards = np.array(offset) @ camera.frame
+    for offset, color in lights:
+        towards = unit * np.array(offset) @ camera.frame
         length = float(np.linalg.norm(towards))
         point = writer.geometry.flow(towards / length, length, base=camera.point)[0][0]
-        carried = _carry(point, writer.lattice)
-        numbers += [*(point if carried is None else carried), *color]
+        numbers += [*point, *(intensity * np.array(color))]
     return numbers
 
 

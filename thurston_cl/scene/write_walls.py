@@ -129,7 +129,8 @@ def _product(row: list[float | str], variables: tuple[str, ...]) -> str:
 
 def _wall_time(lattice: Lattice, numbers: Numbers) -> list[str]:
     """The body of wall_time: arc length to the nearest wall ahead, from the greatest (n . v)/(-n . p)."""
-    lines = []
+    # To just beyond where a point counts as outside: a ray along a wall would crawl if it could stop on it.
+    lines = ["real beyond = REAL(2) * wall_slack(p);"]
     ratios: list[str] = []
     for k, group in enumerate(_groups(lattice.walls)):
         wall = lattice.walls[group[0]]
@@ -138,7 +139,7 @@ def _wall_time(lattice: Lattice, numbers: Numbers) -> list[str]:
             lines.append(f"real {variable}_w{k} = {numbers.linear(wall[3:], (f'{name}.w',))};")
         for sign in ("+", "-")[: len(group)]:
             rate = f"(rate_w{k} {sign} rate{k})"
-            ratios.append(f"{rate} / fmax(-(height_w{k} {sign} height{k}), REAL(EPSILON))")
+            ratios.append(f"{rate} / fmax(beyond - (height_w{k} {sign} height{k}), REAL(EPSILON))")
     lines.append(f"real ratio = {ratios[0]};")
     lines += [f"ratio = fmax(ratio, {ratio});" for ratio in ratios[1:]]
     lines.append("return crossing_time(ratio);")

@@ -1,0 +1,151 @@
+// product.h - S2 x E and H2 x E behind the contract of every geometry (paper 8; K = CURVATURE of the factor S2 or H2).
+//
+// Points are (x, y, z, w): (x, y, z) on the factor, z its time coordinate; w on the line. Isometries are those of the factor
+// times those of the line. The frame at p is carried from o by the transvection of the factor and the translation of the
+// line; a direction is (along x, along y, along the line). distance^2 is the sum of the squares of both distances.
+//
+// METHOD. Formulas of the factor are those of isotropic.h on its points (x, y, 0, z), renamed by factor.h. A transvection
+// there leaves the third coordinate of a vector alone: the component along the line takes its place. Along a unit direction
+// whose factor part has length l, the factor is crossed by the angle l t, with S(l t)/l = t at l = 0: no case of vertical
+// directions apart. curved_sine_of_sum, transport (the identity, since frames are carried along) and crossing_time (of the
+// factor, in its own arc length) are those of isotropic.h.
+// ACCURACY: see s2xe.h and h2xe.h.
+#undef origin
+#undef inner
+#undef flow
+#undef push
+#undef pull
+#undef pull_covector
+#undef translate
+#undef untranslate
+#undef turn_frame
+#undef exponential
+#undef origin_distance
+#undef distance_between
+#undef geodesic
+#undef area_density
+#undef underestimate
+#undef reproject
+#undef on_model
+
+FN point origin(void) { point o = {REAL(0), REAL(0), REAL(1), REAL(0)}; return o; }
+
+// The factor's part of a point, as isotropic.h has it; the product's point from it.
+FN point factor(point p) { point y = {p.x, p.y, REAL(0), p.z}; return y; }
+FN point over(point y, real w) { point p = {y.x, y.y, y.w, w}; return p; }
+
+// A vector or covector as isotropic.h has it at a point of the factor, and back: the component along the line third.
+FN vector swapped(vector v) { vector r = {v.x, v.y, v.w, v.z}; return r; }
+
+// A computed point, put back on the model: translations do so already.
+FN point on_model(point p) { return p; }
+
+FN real inner(point p, vector a, vector b) { return factor_inner(factor(p), swapped(a), swapped(b)); }
+
+FN vector push(point p, direction u) { return swapped(factor_push(frame_point(factor(p)), u)); }
+FN direction pull(point p, vector v) { return factor_pull(frame_point(factor(p)), swapped(v)); }
+FN direction pull_covector(point p, covector g) { return factor_pull_covector(frame_point(factor(p)), swapped(g)); }
+
+FN point translate(point p, point q)
+{
+  return over(factor_on_model(factor_translate(frame_point(factor(p)), factor(q))), p.w + q.w);
+}
+
+FN point untranslate(point p, point q)
+{
+  return over(factor_on_model(factor_untranslate(frame_point(factor(p)), factor(q))), q.w - p.w);
+}
+
+FN direction turn_frame(point b, point c, direction u)
+{
+  return factor_turn_frame(frame_point(factor(b)), frame_point(factor(c)), u);
+}
+
+// S(l t)/l, which is t at l = 0, for time t + tail; *cosine = C(l t).
+FN real factor_sine(real l, real t, real tail, real *cosine)
+{
+  real angle = l * t;
+  real s = curved_sine_of_sum(angle, fma(l, tail, fma(l, t, -angle)), cosine);
+  mask vertical = NOT(l > REAL(TINY));
+  return SELECT(vertical, t + tail, arriving_sine(s, *cosine) / SELECT(vertical, REAL(1), l));
+}
+
+FN void flow(point *p, vector *v, real t)
+{
+  real l = factor_speed(*v), c, s = factor_sine(l, t, REAL(0), &c), w = fma(t, v->w, p->w);
+  vector across = {v->x, v->y, REAL(0), v->z};
+  point y = add_scaled_4(scale_4(factor(*p), c), across, s);
+  across = add_scaled_4(scale_4(across, c), factor(*p), REAL(-CURVATURE) * l * l * s);
+  *p = over(y, w);
+  *v = over(across, v->w);
+}
+
+FN point exponential(direction *u, real t, real tail)
+{
+  real c, s = factor_sine(sqrt(fma(u->x, u->x, u->y * u->y)), t, tail, &c);
+  point q = {s * u->x, s * u->y, c, fma(u->z, t, u->z * tail)};
+  return q;
+}
+
+// sqrt(a^2 + b^2); no square leaves the range of the precision.
+FN real hypotenuse(real a, real b)
+{
+  real longer = fmax(fabs(a), fabs(b)), ratio = fmin(fabs(a), fabs(b)) / fmax(longer, REAL(TINY));
+  return longer * sqrt(fma(ratio, ratio, REAL(1)));
+}
+
+FN real origin_distance(point p) { return hypotenuse(factor_origin_distance(factor(p)), p.w); }
+
+// The difference of the line's coordinates, with what single precision cut off them.
+FN real rise_between(point p, point q, point p_tail, point q_tail) { return (q.w - p.w) + (q_tail.w - p_tail.w); }
+
+FN real distance_between(point p, point q, point p_tail, point q_tail)
+{
+  real across = factor_distance_between(factor(p), factor(q), factor(p_tail), factor(q_tail));
+  return hypotenuse(across, rise_between(p, q, p_tail, q_tail));
+}
+
+// The k-th geodesic from p to q, shortest first. It covers the k-th of the factor, which isotropic.h gives, while it rises by
+// the difference of w; lengths keep that order, since all rise alike. h2xe: only k = 0. s2xe: even k the short way, odd k
+// the long way round (paper 8.4 with its sign corrected); over one point or over antipodes every direction of S2 is right
+// and e_x is returned. From a point to itself: the line, with length 0.
+FN mask geodesic(point p, point q, point p_tail, point q_tail, int k, direction *u, real *length)
+{
+  direction ahead;
+  real across;
+  // What frame_point moves the start by goes into its tail, so that the difference to q stays.
+  point start = factor(p), from = frame_point(start), from_tail = factor(p_tail);
+  from_tail.x += start.x - from.x;
+  from_tail.y += start.y - from.y;
+  mask exists = factor_geodesic(from, factor(q), from_tail, factor(q_tail), k, &ahead, &across);
+  // Where every direction is right isotropic.h takes its third, which is none of the factor's.
+  ahead.x += ahead.z;
+  real rise = rise_between(p, q, p_tail, q_tail);
+  *length = hypotenuse(across, rise);
+  mask nowhere = NOT(*length > REAL(TINY));
+  real inverse = REAL(1) / SELECT(nowhere, REAL(1), *length);
+  u->x = across * ahead.x * inverse;
+  u->y = across * ahead.y * inverse;
+  u->z = SELECT(nowhere, REAL(1), rise * inverse);
+  return exists;
+}
+
+// Area of the wave front from a point at time t + tail, per solid angle (paper 8.1 with |sin|): t |S(l t)/l|.
+FN real area_density(direction u, real t, real tail)
+{
+  real c, s = factor_sine(sqrt(fma(u.x, u.x, u.y * u.y)), t, tail, &c);
+  return fabs((t + tail) * s);
+}
+
+// A lower bound of the distance from the origin; here the distance itself is cheap.
+FN real underestimate(point p) { return origin_distance(p); }
+
+// Rounding of the flow, undone: the factor's point put back on it, the vector made tangent there and of length 1.
+FN void reproject(point *p, vector *v)
+{
+  point y = factor(*p);
+  vector tangent = swapped(*v);
+  factor_reproject(&y, &tangent);
+  *p = over(y, p->w);
+  *v = swapped(tangent);
+}

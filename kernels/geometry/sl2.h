@@ -1,0 +1,351 @@
+// sl2.h - the universal cover of SL(2, R) (paper 10), a line over every point of the hyperbolic plane.
+//
+// Points (x, y, z, w): (x, y, z) on the sheet z = sqrt(1 + x^2 + y^2) of H2, w along the fibre; origin (0, 0, 1, 0). In polar
+// coordinates of H2 the metric is d rho^2 + sinh^2 rho d theta^2 + (dw - (cosh rho - 1) d theta)^2, up to the sense of theta.
+// Of the group element, in the complex form of SL(2, R),
+//   Z = cosh(rho/2) e^{i w/2} = C e^{i w/2},  E = sinh(rho/2) e^{i theta - i w/2} = C f e^{-i w/2},  f = (x + i y)/(1 + z),
+//   (Z, E)(Z', E') = (Z Z' + E conj E', Z E' + E conj Z'),  w'' = w + w' + 2 arg(1 + (E/Z) (conj E'/Z')) in the cover,
+// so left multiplication by p turns H2 about o by w, then moves it by the transvection o -> (x, y, z), and the fibre
+// coordinate gains w and twice the angle of 1 + f conj f', which is that of (1 + z + z' + z'') + i (y x' - x y') with the
+// turned x', y' and the result's z'': a real part > 0, without cancellation. The formulas below keep to these coordinates:
+// (Z, E) would need a root and a sine at each point, and knows it no better, to EPSILON e^rho like h3. Frames are
+// left-invariant, d/dx, d/dy, d/dw at o.
+//
+// METHOD
+//   flow, area density: Stumpff functions of s = T^2 - R^2, T = u_w t/2, R = |(u_x, u_y)| t/2, for elliptic, parabolic and
+//     hyperbolic geodesics alike (in place of the cases of paper 10.3 and of the corrected 10.6). The fibre coordinate is
+//     4 T + 2 phi with phi the continuous argument of C0 - i T S0, for both signs of T, from one atan of a positive denominator.
+//   geodesics from o, w >= 0, unknown psi = -phi: H = 2 T - psi = w/2.
+//     H <= ch pi - pi/2 (ch = cosh(rho/2)): psi in (0, pi/2), C0(s) = ch cos psi, T = ch sin psi/S0(s); far up the fibre of a far
+//       point the unknown is pi/2 - psi, which is then tiny and has its digits. Newton on 1/(H + 1).
+//     elliptic, x = sqrt(s) beyond pi/2: unknown distance q of x from a pole k pi, as in nil; w and pi in two parts.
+//   order of geodesics and the fibre through o: twisted.h.
+// RANGE. x, y, z overflow at kappa t = 88 in float, 709 in double (kappa^2 = a^2 - c^2). As in h3, coordinates fix a position to
+// EPSILON e^rho only.
+// ACCURACY (maximal error; tests/test_golden_sl2.py. Directions are rounded to the precision first, and what that does to a
+// long geodesic is in these numbers)
+//   quantity, from o                                          float     double    relative to
+//   flow: x, y, z;  t from 1e-8 to 10                         5.3e-7    1.1e-15   z
+//                   t = 20 to 100                             2.1e-5    3.1e-14   z
+//         w                                                   1.9e-7    2.7e-16   max(|w|, |u_w t|)
+//         direction there;  t < 10 / t < 100                  2.2e-7    2.0e-16   1; 1.7e-6 in float, t < 100
+//   transport;  t < 10                                        5.2e-7    8.2e-16   1; 5.7e-6, 2.1e-15 for t < 100
+//   distance and lengths of 5 geodesics                       2.1e-7    6.7e-16   itself
+//   their directions                                          2.2e-7    4.5e-16   1; near a fold EPSILON^(1/2)
+//   area density, off conjugate points, t < 10                3.6e-6    4.9e-15   itself
+//                                       t = 20 to 100         1.1e-4    1.7e-13   itself
+#define SOLVES
+
+FN point origin(void) { point o = {REAL(0), REAL(0), REAL(1), REAL(0)}; return o; }
+
+// z from x and y, without overflow before z itself overflows.
+FN real sheet_height(real x, real y) { return hypotenuse(hypotenuse(x, y), REAL(1)); }
+
+FN point translate(point p, point q)
+{
+  real c, s = sin_cos(p.w, &c), x = fma(q.x, c, -q.y * s), y = fma(q.x, s, q.y * c);
+  real along = fma(p.x, x, p.y * y), shift = along / (REAL(1) + p.z) + q.z;
+  point r = {fma(shift, p.x, x), fma(shift, p.y, y), REAL(0), REAL(0)};
+  r.z = sheet_height(r.x, r.y);
+  r.w = p.w + q.w + REAL(2) * arc_tangent_2(fma(p.y, x, -p.x * y), REAL(1) + p.z + q.z + r.z);
+  return r;
+}
+
+// The inverse of p: -x, -y turned back by w.
+FN point untranslate(point p, point q)
+{
+  real c, s = sin_cos(p.w, &c);
+  point inverse = {-fma(p.x, c, p.y * s), -fma(p.y, c, -p.x * s), p.z, -p.w};
+  return translate(inverse, q);
+}
+
+// d(translation(p)) applied to a direction.
+FN vector push(point p, direction u)
+{
+  real c, s = sin_cos(p.w, &c), x = fma(u.x, c, -u.y * s), y = fma(u.x, s, u.y * c);
+  real along = fma(p.x, x, p.y * y), inverse = REAL(1) / (REAL(1) + p.z);
+  vector v = {fma(along * inverse, p.x, x), fma(along * inverse, p.y, y), along, fma(fma(p.y, x, -p.x * y), inverse, u.z)};
+  return v;
+}
+
+// What the flow and the area density are made of: T in two parts, R^2, s and the Stumpff functions of s.
+typedef struct {
+  real T, T_low, square, s, c0, s0;
+} helix_state;
+
+FN helix_state helix_after(direction u, real t, real tail)
+{
+  helix_state h;
+  real radius = REAL(C(0.5)) * (t + tail), a = sqrt(fma(u.x, u.x, u.y * u.y)), R = a * radius;
+  h.T = half_turn(u.z, t, tail, &h.T_low);
+  h.square = R * R;
+  h.s = (h.T - R) * (h.T + R);
+  h.s0 = stumpff(h.s, &h.c0);
+  return h;
+}
+
+// The endpoint of the geodesic from o with direction *u after arc length t + tail; *u becomes the direction there.
+FN point exponential(direction *u, real t, real tail)
+{
+  helix_state h = helix_after(*u, t, tail);
+  real k = (t + tail) * h.s0, real_part = k * h.c0, imaginary = -k * h.T * h.s0, T = fabs(h.T);
+  point q = {fma(u->x, real_part, -u->y * imaginary), fma(u->x, imaginary, u->y * real_part), REAL(0), REAL(0)};
+  q.z = fma(REAL(2) * h.square * h.s0, h.s0, REAL(1));
+
+  // The argument, past x = sqrt(s) only by what a positive denominator allows: it never jumps.
+  mask elliptic = h.s > REAL(0);
+  real x = sqrt(fmax(h.s, REAL(0))), turned = h.square * h.s0;
+  real above = SELECT(elliptic, turned * h.c0, T * h.s0);
+  real below = SELECT(elliptic, fma(x * turned, h.s0, T + x), h.c0);
+  real phi = -copysign(x + arc_tangent_2(above, below), h.T);
+  q.w = fma(REAL(4), h.T, fma(REAL(2), phi, REAL(4) * h.T_low));
+
+  real c, s = sin_cos_of_sum(REAL(-4) * h.T, REAL(-4) * h.T_low, &c);
+  *u = turn_about_fibre(*u, c, s);
+  return q;
+}
+
+// Parallel transport along the same geodesic, from the frame at o to the frame at its end: rot_z(-4 T) rot_u(t/2).
+FN direction transport(direction u, real t, real tail, direction e)
+{
+  real low, T = half_turn(u.z, t, tail, &low), c, s = sin_cos_of_sum(REAL(-4) * T, REAL(-4) * low, &c);
+  return turn_about_fibre(turn_about(u, REAL(C(0.5)) * (t + tail), e), c, s);
+}
+
+// Area of the wave front from a point at distance t + tail, per solid angle (paper 10.6 with g1 corrected, collapsed).
+FN real area_density(direction u, real t, real tail)
+{
+  helix_state h = helix_after(u, t, tail);
+  real s1 = stumpff_s1(h.s, h.c0, h.s0);
+  return REAL(4) * fma(h.T, h.T, h.square) * fabs(h.s0) * fabs(fma(REAL(-4) * h.square, s1, h.s0));
+}
+
+// Added to H before its inverse is taken on the branch of the shortest geodesic.
+#define POLE_SHIFT 1
+// The start in interval k >= 1 is kept below this part of the distance from the pole to the minimum of H.
+#define START_BELOW C(0.999)
+// From w/2 = rho + 1 on, psi is more than 3/4 and its complement the better unknown.
+#define COMPLEMENT_ABOVE 1
+
+// The branch x < pi/2 at psi = q, or pi/2 - q in lanes of `complement`: s, S0, sine and cosine of psi.
+typedef struct {
+  real psi, sine, cosine, s, c0, s0;
+} low_turn;
+
+FN low_turn low_turn_at(real q, real ch, mask complement)
+{
+  real c, s = sin_cos(q, &c);
+  low_turn t = {SELECT(complement, REAL(QUARTER_TURN) - q, q), SELECT(complement, c, s), SELECT(complement, s, c)};
+  t.c0 = ch * t.cosine;
+
+  // From m = 1 - C0 the angle and its sine alike, so that their quotient has no error where both are small.
+  real m = REAL(1) - t.c0, size = fabs(m), root = sqrt(size * (REAL(2) - m));
+  mask hyperbolic = m < REAL(0);
+  real x = REAL(2) * arc_tangent_2(sqrt(size), sqrt(fmax(REAL(2) - m, REAL(0))));
+  real y = REAL(2) * area_sinh(sqrt(REAL(C(0.5)) * size)), angle = SELECT(hyperbolic, y, x);
+  t.s = SELECT(hyperbolic, -y * y, x * x);
+  t.s0 = sine_over(root, angle);
+  return t;
+}
+
+FN real solve_low_turn(real sg, real ch, real goal, mask complement, mask active, mask *unsolved)
+{
+  // rho coth(rho/2) - 1 is the slope of H at 0, and H is convex; for the complement, H is about rho tan psi - psi.
+  mask far = sg > REAL(TINY);
+  real ratio = SELECT(far, area_sinh(SELECT(far, sg, REAL(1))) / SELECT(far, sg, REAL(1)), REAL(1));
+  real direct = goal / fma(REAL(2) * ch, ratio, REAL(-1)), other = REAL(2) * ratio * sg / (goal + REAL(QUARTER_TURN));
+  real low = SELECT(complement, REAL(QUARTER_TURN - QUARTER_TURN_END), REAL(0));
+  newton n = newton_start(fmin(SELECT(complement, other, direct), REAL(QUARTER_TURN)), low, REAL(QUARTER_TURN_END), active);
+  for (int step = 0; step < NEWTON_BOUND && ANY(n.active); step++) {
+    low_turn t = low_turn_at(n.at, ch, complement);
+    real s1 = stumpff_s1(t.s, t.c0, t.s0), T = ch * t.sine / t.s0, excess = fma(REAL(2), T, -t.psi) - goal;
+    real slope = fma(REAL(2), (t.c0 - REAL(2) * T * T * s1) / t.s0, REAL(-1));
+    slope = SELECT(complement, -slope, slope);
+    real e = fmax(excess, REAL(C(-0.5)) * goal) / (goal + REAL(POLE_SHIFT));
+    mask below = SELECT(complement, -excess, excess) > REAL(0);
+    newton_step(&n, fma(excess, e, excess) / slope, below, fabs(excess) <= REAL(EPSILON) * (REAL(2) * T + t.psi + goal));
+  }
+  *unsolved |= n.active;
+  return n.at;
+}
+
+// H - w/2 at distance q from the pole, and its derivative; *size is the sum of the sizes of its terms, for judging rounding.
+FN real excess_height(interval i, real sg, real rest, real q, real *slope, real *size)
+{
+  real c, s = sin_cos(q, &c), x = fma(i.side, q, i.pole), ratio = sg / s, square = ratio * ratio;
+  real root = sqrt(REAL(1) + square), at_pole = REAL(2) * x * square / (REAL(1) + root), angle = arc_tangent_2(s * root, c);
+  *slope = i.side * fma(REAL(2), root, REAL(-1) / root) - REAL(2) * x * square * c / (s * root);
+  *size = at_pole + REAL(2) * q + angle + fabs(rest);
+  return fma(i.side, fma(REAL(2), q, -angle), at_pole) - rest;
+}
+
+// About the root near a pole, from 2 pole (sqrt(1 + (sg/q)^2) - 1) = rest; 0 for rest <= 0 has to be chosen away.
+FN real far_from_corner(real sg, real pole, real rest)
+{
+  real a = REAL(C(0.5)) * rest / pole;
+  return sg * rsqrt(fmax(a * (a + REAL(2)), REAL(TINY)));
+}
+
+// The same before a pole, where the rest grows by q and pole sg^2/q^2 = rest + q in the corner.
+FN real start_before_pole(real sg, real pole, real rest)
+{
+  real corner = power_two_thirds(sg * sqrt(pole));
+  return SELECT(rest > REAL(0), fmin(corner, far_from_corner(sg, pole, rest)), fmax(-rest, corner));
+}
+
+FN real solve_height(interval i, real sg, real rest, real target, real start, mask active, mask *unsolved)
+{
+  newton n = newton_start(start, i.low, i.high, active);
+  for (int step = 0; step < NEWTON_BOUND && ANY(n.active); step++) {
+    real slope, size, excess = excess_height(i, sg, rest, n.at, &slope, &size), e = excess / target;
+    mask below = SELECT(i.rising, excess, -excess) > REAL(0);
+    newton_step(&n, fma(excess, SELECT(i.rising, REAL(0), e), excess) / slope, below, fabs(excess) <= REAL(EPSILON) * size);
+  }
+  *unsolved |= n.active;
+  return n.at;
+}
+
+// The index-th shortest geodesic from o to the point over (x, y), with sg = sinh(rho/2), at w + w_low.
+FN connection connect(real x, real y, real sg, real w, real w_low, int index)
+{
+  mask down = w < REAL(0);
+  w_low = SELECT(down, -w_low, w_low);
+  w = fabs(w);
+  real e_x, e_y, goal = REAL(C(0.5)) * w, ch = sqrt(fma(sg, sg, REAL(1)));
+  base_direction(x, y, &e_x, &e_y);
+  mask on_fibre = REAL(2) * sg <= REAL(AXIS_RATIO) * w, off_fibre = NOT(on_fibre);
+  connection found;
+  found.unsolved = (mask)(0);
+
+  // Choose the interval and the start.
+  interval i;
+  real rest, start, target;
+  mask low = (mask)(0);
+  if (index == 0) {
+    low = goal <= fma(REAL(PI_HIGH), ch, REAL(-QUARTER_TURN));
+    i = before_pole(1);
+    rest = REAL(C(0.5)) * height_beyond(w, w_low, i);
+    target = goal + REAL(POLE_SHIFT);
+    start = fmin(start_before_pole(sg, i.pole, rest), REAL(QUARTER_TURN));
+    found.exists = off_fibre;
+  } else {
+    int k = (index + 1) / 2;
+    interval left = after_pole(k);
+    real slope, size, left_rest = REAL(C(0.5)) * height_beyond(w, w_low, left);
+    found.exists = off_fibre & (left_rest > REAL(0));
+    real fold = fold_angle(k, power_two_thirds(sg), found.exists, &found.unsolved);
+    found.exists &= excess_height(left, sg, left_rest, fold, &slope, &size) <= REAL(0);
+    target = goal + left.pole + REAL(PI_HIGH);
+    if (index & 1) {
+      left.high = fold;
+      i = left;
+      rest = left_rest;
+      start = fmin(far_from_corner(sg, i.pole, rest), REAL(START_BELOW) * fold);
+    } else {
+      left.low = fold;
+      left.rising = excess_height(left, sg, left_rest, REAL(QUARTER_TURN), &slope, &size) >= REAL(0);
+      i = select_interval(left.rising, left, before_pole(k + 1));
+      rest = REAL(C(0.5)) * height_beyond(w, w_low, i);
+      start = fmin(SELECT(i.rising, REAL(QUARTER_TURN), start_before_pole(sg, i.pole, rest)), REAL(QUARTER_TURN));
+    }
+  }
+  real q = solve_height(i, sg, rest, target, start, found.exists & NOT(low), &found.unsolved);
+
+  // Recover the direction (x + i y) e^{i psi}, where e^{i psi} is that of the angle at the pole but for the sign of the sine.
+  real c, s = sin_cos(q, &c), sine = hypotenuse(sg, s), angle = arc_tangent_2(sine, c);
+  helix h = {REAL(2) * sg * fma(i.side, q, i.pole) / s, goal + fma(i.side, angle, i.pole), i.side * c / ch, sine / ch};
+  if (index == 0) {
+    mask complement = goal > fma(REAL(2), area_sinh(sg), REAL(COMPLEMENT_ABOVE));
+    low_turn t = low_turn_at(solve_low_turn(sg, ch, goal, complement, off_fibre & low, &found.unsolved), ch, complement);
+    helix below = {REAL(2) * sg / t.s0, goal + t.psi, t.cosine, t.sine};
+    h = select_helix(low, below, h);
+  }
+
+  // On the fibre: circles of geodesics over poles below w/2, then the vertical line.
+  interval next = after_pole(index + 1), last = after_pole(index);
+  real over_pole = REAL(C(0.5)) * height_beyond(w, w_low, next);
+  mask circle = on_fibre & (over_pole > REAL(0)), line = on_fibre & NOT(circle);
+  if (index > 0) line &= height_beyond(w, w_low, last) > REAL(0);
+  real radius = sqrt(fmax(over_pole, REAL(0)) * fma(REAL(3), next.pole, goal));
+  h = select_helix(circle, circle_helix(radius, goal + next.pole), h);
+  h = select_helix(line, circle_helix(REAL(0), w), h);
+  found.exists |= circle | line;
+  return finish(found, h, e_x, e_y, down);
+}
+
+// Beyond this product of heights, and on opposite sides of o, points are so far apart that cosh does not cancel.
+#define OPPOSITE_ABOVE 2
+// Beyond this |(x, y)|^2 the direction from p to q is split into the part away from o and the part across.
+#define SPLIT_DIRECTION_ABOVE 1
+// untranslate(p, q) with what precision cut off the inputs, and the geodesic from o to it. In H2 as in h3.h; the angle that the
+// fibre coordinate gains has real part 2 + z_p + z_q + (cosh rho - 1), imaginary part x_p d_y - y_p d_x.
+FN connection connect_points(point p, point q, point p_tail, point q_tail, int index)
+{
+  real d_x = (q.x - p.x) + (q_tail.x - p_tail.x), d_y = (q.y - p.y) + (q_tail.y - p_tail.y);
+  real z_p = sheet_height(p.x, p.y), z_q = sheet_height(q.x, q.y), total = z_p + z_q;
+  real along = fma(p.x, q.x, p.y * q.y), product = fma(z_p, z_q, -along);
+
+  // sinh(rho/2), from the difference at its own scale.
+  real size = fmax(fmax(fabs(d_x), fabs(d_y)), REAL(TINY)), a = d_x / size, b = d_y / size;
+  mask first = z_p < z_q;
+  real short_x = SELECT(first, p.x, q.x), short_y = SELECT(first, p.y, q.y), moment = fma(a, short_y, -b * short_x);
+  real near = size * sqrt((moment * moment + fma(a, a, b * b)) / (REAL(2) * (REAL(1) + fma(z_p, z_q, along))));
+  mask opposite_far = (along < REAL(0)) & (product > REAL(OPPOSITE_ABOVE));
+  real sg = SELECT(opposite_far, sqrt(REAL(C(0.5)) * fmax(product - REAL(1), REAL(0))), near);
+
+  // The direction of q from p in the frame that the transvection carries to p, then turned back by the fibre coordinate of p.
+  real d_z = fma(d_x, p.x + q.x, d_y * (p.y + q.y)) / total, shift = fma(p.x, d_x, p.y * d_y) / (REAL(1) + z_p) - d_z;
+  real x = fma(shift, p.x, d_x), y = fma(shift, p.y, d_y);
+  real r = sqrt(fmax(fma(p.x, p.x, p.y * p.y), REAL(SPLIT_DIRECTION_ABOVE))), n_x = p.x / r, n_y = p.y / r;
+  real forward = fma(d_x, n_x, d_y * n_y), sideways = fma(n_x, d_y, -n_y * d_x);
+  real ahead = (REAL(2) * forward * total - sideways * sideways * fma(r, total, -forward * z_p)) /
+               ((total - forward) * (total + forward));
+  mask split = (fma(p.x, p.x, p.y * p.y) > REAL(SPLIT_DIRECTION_ABOVE)) & NOT(along < REAL(0));
+  x = SELECT(split, fma(ahead, n_x, -sideways * n_y), x);
+  y = SELECT(split, fma(ahead, n_y, sideways * n_x), y);
+  real c, s = sin_cos(p.w, &c);
+
+  // The fibre coordinate, in two parts.
+  real low, sum_low, w = two_sum(q.w, -p.w, &low);
+  real gain = REAL(2) * arc_tangent_2(fma(p.x, d_y, -p.y * d_x), REAL(2) + total + REAL(2) * sg * sg);
+  w = two_sum(w, gain, &sum_low);
+  low += sum_low + (q_tail.w - p_tail.w);
+  return connect(fma(x, c, y * s), fma(y, c, -x * s), sg, w, low, index);
+}
+
+FN real distance_solved(point p, point q, point p_tail, point q_tail, mask *unsolved)
+{
+  connection shortest = connect_points(p, q, p_tail, q_tail, 0);
+  *unsolved = shortest.unsolved;
+  return shortest.length;
+}
+
+FN mask geodesic_solved(point p, point q, point p_tail, point q_tail, int index, direction *u, real *length, mask *unsolved)
+{
+  connection found = connect_points(p, q, p_tail, q_tail, index);
+  *u = found.u;
+  *length = found.length;
+  *unsolved = found.unsolved;
+  return found.exists;
+}
+
+// sinh(rho/2) of a point.
+FN real half_sine(point p)
+{
+  real e_x, e_y, r = base_direction(p.x, p.y, &e_x, &e_y);
+  return r / sqrt(REAL(2) * (REAL(1) + p.z));
+}
+
+// The distance from o.
+FN real origin_distance(point p) { return connect(p.x, p.y, half_sine(p), p.w, REAL(0), 0).length; }
+
+// A lower bound of the distance d from o. Along a curve of unit speed rho and w change by at most sqrt(1 + tanh^2(rho/2))
+// together, since |dw| <= |n| + tanh(rho/2) |h| for the parts n along the fibre and h across (paper, lemma 10.4, without the
+// part of h that moves neither): so d >= Y/sqrt(1 + tanh^2), Y^2 = rho^2 + w^2, and d <= Y by the curve of constant theta.
+// On a shortest curve rho stays below (rho + d)/2. Never below Y/sqrt 2; exact where w = 0, and nearly so near o.
+FN real underestimate(point p)
+{
+  real rho = REAL(2) * area_sinh(half_sine(p)), Y = hypotenuse(rho, p.w);
+  real e = exp(REAL(C(-0.5)) * (Y + rho)), slope = (REAL(1) - e) / (REAL(1) + e);
+  return fmax(rho, Y * rsqrt(fma(slope, slope, REAL(1))));
+}

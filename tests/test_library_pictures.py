@@ -1,0 +1,212 @@
+"""The scenes of the library: that they are listed, what each shows, and that its picture does not depend on
+how it is worked out.
+"""
+
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import thurston_cl as tc
+from thurston_cl.device import Device
+from thurston_cl.image import Image
+from thurston_cl.scene import library
+
+ROOT = Path(__file__).parents[1]
+NAMES = library.library_names()
+SIX_LINES = "h3/seifert-weber"
+SIZE = (96, 64)
+
+# The paper's figures that this version can render; the top of figure 23 is its upper half.
+FIGURES = {
+    "figure 13(a)",
+    "figure 13(b)",
+    "figure 13(c)",
+    "figure 20(a)",
+    "figure 21(a)",
+    "figure 21(c)",
+    "figure 23, top",
+    *(f"figure {number}({letter})" for number in (30, 31, 32) for letter in "abc"),
+}
+
+# The share of pixels that hit something at least, and at most where rays should also escape. In a tiling of
+# e3 or h3 every ray ends on something; windows of s3, the plane's sky and the ends of h3 stay open.
+OPEN = {
+    "e3/ball-over-plane": (0.9, 1.0),
+    "e3/carved-solids": (0.85, 0.99),
+    "h3/horoballs": (0.6, 0.95),
+    "h3/hyperideal-cube": (0.25, 0.6),
+    "s3/binary-tetrahedral-tile": (0.7, 0.99),
+    "s3/hopf-fibration": (0.4, 0.9),
+    "s3/one-light": (0.2, 0.7),
+    "s3/poincare-ball": (0.4, 0.9),
+    "s3/quaternion-edges": (0.5, 0.95),
+}
+
+# One for each geometry and way to measure distance near walls, and one with shadows.
+COMPARED = (
+    "e3/ball-across-a-wall-neighbours",
+    "e3/ball-over-plane",
+    "h3/hyperideal-cube",
+    "h3/ideal-cube",
+    "s3/quaternion-edges",
+)
+
+
+@cache
+def picture(name: str, **settings: Any) -> Image:
+    """A small picture of a scene, by one lane unless the settings say otherwise."""
+    return tc.render(tc.load_scene(name), size=SIZE, samples=1, **{"lanes": 1} | settings)
+
+
+def share(pixels: np.ndarray) -> float:
+    return float(np.count_nonzero(pixels)) / pixels.size
+
+
+# What the files say
+
+
+def test_the_library_has_scenes_of_every_geometry():
+    assert {name.split("/")[0] for name in NAMES} == {"e3", "s3", "h3"}
+    for name in NAMES:
+        assert tc.load_scene(name).geometry == name.split("/")[0]
+
+
+def test_every_figure_that_can_be_rendered_has_a_scene():
+    heads = [
+        " ".join(re.findall("^#(.*)", library.library_scene(name).path.read_text("utf-8"), re.MULTILINE))
+        for name in NAMES
+    ]
+    missing = {figure for figure in FIGURES if not any(figure in head for head in heads)}
+    assert not missing
+
+
+def test_every_scene_says_what_it_shows():
+    for name in NAMES:
+        scene = library.library_scene(name)
+        assert scene.comment.endswith((".", ":")), name
+        assert len(scene.comment) <= 130, name
+        assert scene.title or name == SIX_LINES, name
+        # Lines that a page of scenes can show.
+        assert max(map(len, scene.path.read_text("utf-8").splitlines())) <= 130, name
+
+
+def test_the_readme_lists_every_scene_with_its_figure():
+    page = (ROOT / "scenes" / "README.md").read_text("utf-8")
+    rows = dict(re.findall(r"^\| `(\w+/[\w-]+)` \| ([^|]*)\|", page, re.MULTILINE))
+    assert sorted(rows) == NAMES
+    for name, figure in rows.items():
+        if figure.strip():
+            assert f"figure {figure.strip()}" in library.library_scene(name).path.read_text("utf-8"), name
+
+
+def test_six_lines_make_a_scene():
+    text = library.library_scene(SIX_LINES).path.read_text("utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith("#")]
+    assert [line.split(":")[0].strip() for line in lines] == [
+        "geometry",
+        "manifold",
+        "objects",
+        "- tile",
+        "effects",
+        "fog",
+    ]
+
+
+# What the pictures show
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_scene_renders(name):
+    image = picture(name)
+    pixels = SIZE[0] * SIZE[1]
+    assert image.statistics["nan"] == 0
+    assert np.isfinite(image.channels["beauty"]).all()
+    least, most = OPEN.get(name, (0.97, 1.0))
+    assert least <= image.statistics["hits"] / pixels <= most
+    # Rays that get nowhere would show as specks.
+    assert image.statistics["out_of_steps"] <= 0.06 * pixels
+    # Neither drowned nor blown out, and not one flat tone.
+    brightness = image.channels["beauty"].max(axis=2)
+    assert 0.04 < brightness.mean() < 0.9
+    assert share(brightness > 1) < 0.15
+    assert brightness.std() > 0.03
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_lanes_do_not_change_what_is_seen(name):
+    one, many = picture(name), picture(name, lanes=32)
+    np.testing.assert_array_equal(one.channels["object"], many.channels["object"])
+    off = np.abs(one.channels["beauty"] - many.channels["beauty"]).max(axis=2) > 0.02
+    assert share(off) <= 0.01
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_refilling_lanes_changes_nothing(name):
+    packet, refill = picture(name, lanes=32, finish="packet"), picture(name, lanes=32, finish="refill")
+    for channel, values in packet.channels.items():
+        np.testing.assert_array_equal(values, refill.channels[channel], err_msg=channel)
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_single_precision_sees_what_double_sees(name, opencl_device: Device):
+    if not opencl_device.info.fp64:
+        pytest.skip("the device has no double precision")
+    single, double = picture(name), picture(name, precision="double")
+    assert share(single.channels["object"] != double.channels["object"]) <= 0.005
+    # Depth may differ only where a ray grazes something.
+    both = np.isfinite(single.channels["depth"]) & np.isfinite(double.channels["depth"])
+    off = np.abs(single.channels["depth"][both] - double.channels["depth"][both])
+    assert share(off > 0.01) <= 0.03
+
+
+# Figure 13: one scene, three ways to measure distance near the walls
+
+INSIDE, ACROSS = 1, 2
+
+
+def seen(way: str) -> np.ndarray:
+    return picture(f"e3/ball-across-a-wall-{way}").channels["object"]
+
+
+def test_the_three_scenes_of_figure_13_differ_in_the_distance_only():
+    texts = []
+    for way in ("domain", "creeping", "neighbours"):
+        text = library.library_scene(f"e3/ball-across-a-wall-{way}").path.read_text("utf-8")
+        assert text.count(f"distance: {way}") == 1
+        texts.append(re.sub("(?m)^(#|title:).*\n", "", text.replace(f"distance: {way}", "distance: WAY")))
+    assert texts[0] == texts[1] == texts[2]
+
+
+def test_distances_in_the_cell_alone_miss_the_ball_across_the_wall():
+    domain, right = seen("domain"), seen("neighbours")
+    assert share(domain != right) > 0.1
+    # Rays jump through the red ball, and nowhere see more of it.
+    assert np.count_nonzero(domain == ACROSS) < 0.75 * np.count_nonzero(right == ACROSS)
+
+
+def test_creeping_shows_half_of_the_ball_across_the_wall():
+    # Along the wall, which stands upright in the middle of the picture behind the red ball's center.
+    view = "camera={at: [0.499, -0.45, 0], look: {along: [0, 1, 0]}, fov: 50 deg}"
+    red = {}
+    for way in ("creeping", "neighbours"):
+        scene = tc.load_scene(f"e3/ball-across-a-wall-{way}", sets=[view])
+        image = tc.render(scene, size=SIZE, samples=1, lanes=1)
+        red[way] = (image.channels["object"] == ACROSS) & (image.channels["depth"] < 0.5)
+    left = slice(0, SIZE[0] // 2)
+    whole = np.count_nonzero(red["neighbours"])
+    assert whole > 500
+    assert 0.48 * whole < np.count_nonzero(red["creeping"]) < 0.52 * whole
+    np.testing.assert_array_equal(red["creeping"][:, left], red["neighbours"][:, left])
+
+
+def test_the_ball_inside_the_cell_needs_creeping_only():
+    creeping, right = seen("creeping"), seen("neighbours")
+    near = picture("e3/ball-across-a-wall-neighbours").channels["depth"] < 2
+    assert share(near & (right == INSIDE)) > 0.1
+    assert not np.any((right == INSIDE) & (creeping != INSIDE) & near)
+    # Half a ball covers less than a whole one, and nothing beside it.
+    assert share((creeping == ACROSS) & (right != ACROSS)) < 0.002
