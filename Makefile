@@ -35,7 +35,7 @@ render: setup
 	@echo 'Picture: $(abspath $(OUT))'
 
 test: setup check
-	$(VENV)/bin/pytest
+	$(VENV)/bin/pytest -n auto --dist loadfile
 
 check: $(VENV)/.installed
 	$(VENV)/bin/ruff check .
