@@ -10,7 +10,7 @@ import pytest
 import thurston_cl as tc
 from thurston_cl.errors import SceneError
 from thurston_cl.program import kernel_text
-from thurston_cl.rendering import Tile, sample_shifts, tiles
+from thurston_cl.rendering import CHANNELS, Tile, sample_shifts, tiles
 from thurston_cl.scene import load_text
 from thurston_cl.scene.plan import make_plan
 
@@ -50,7 +50,7 @@ lights:
 
 
 def picture(text: str, **settings):
-    return tc.render(load_text(text), **{"size": (160, 96), "samples": 1} | settings)
+    return tc.render(load_text(text), **{"size": (160, 96), "samples": 1, "channels": CHANNELS} | settings)
 
 
 @pytest.mark.parametrize("text", [CORRIDOR, BALLS, SPHERE])
@@ -179,13 +179,17 @@ def test_scenes_that_differ_in_numbers_share_their_program():
 
 
 def test_distance_near_walls_is_chosen_by_what_crosses_them():
-    def choice(objects: str) -> str:
-        return make_plan(load_text(f"geometry: e3\nmanifold: three-torus\nobjects: [{objects}]\n")).near_walls
+    def choice(objects: str) -> tuple[str, int]:
+        plan = make_plan(load_text(f"geometry: e3\nmanifold: three-torus\nobjects: [{objects}]\n"))
+        return plan.near_walls, plan.object_images
 
-    assert choice("tile: {ball: 0.6}") == "domain"
-    assert choice("{ball: {radius: 0.4999}}") == "creeping"
-    assert choice("{ball: {radius: 0.5001}}") == "both"
-    assert choice("{ball: {radius: 0.2}, at: [0.4, 0, 0]}") == "both"
+    assert choice("tile: {ball: 0.6}") == ("domain", 0)
+    assert choice("{ball: {radius: 0.4999}}") == ("images", 0)
+    assert choice("{ball: {radius: 0.5001}}") == ("images", 6)
+    assert choice("{ball: {radius: 0.2}, at: [0.4, 0, 0]}") == ("images", 1)
+    assert choice("{ball: {radius: 0.2}, at: [0.5, 0.5, 0.5]}") == ("images", 7)
+    assert choice("{tile: {ball: 0.6}}, {ball: {radius: 0.2}, at: [0.4, 0, 0]}") == ("images", 1)
+    assert choice("{cylinder: {radius: 0.1}}") == ("images", 18)
     assert make_plan(load_text(SPHERE)).near_walls == "whole space"
 
 
@@ -204,6 +208,47 @@ def test_camera_inside_an_object_is_an_error_at_its_line():
     text = "geometry: h3\ncamera: {at: [0.1, 0, 0]}\nobjects: [{ball: {radius: 0.3}}]\n"
     with pytest.raises(SceneError, match="camera is inside an object"):
         picture(text)
+
+
+@pytest.mark.parametrize(
+    ("solid", "along"),
+    [
+        ("ball: {radius: 0.3}", (0.5, 0.5, 0.5)),
+        ("ball: {radius: 0.3}", (0.5, 0.5, 0)),
+        ("cylinder: {radius: 0.1}", (0.5, 0.5, 0)),
+    ],
+)
+def test_objects_on_corners_and_edges_look_like_objects_in_the_middle(solid, along):
+    """The same lattice of objects, seen from the same side, with the cell moved by half."""
+    text = (
+        "geometry: e3\nmanifold: three-torus\nobjects:\n  - {%s, at: [%g, %g, %g]}\n"
+        "camera: {at: [%g, %g, %g], look: {along: [1, 0.4, 0.2]}}\nrender: {far: 8}\n"
+    )
+    eye = np.array([-0.31, 0.27, 0.38])
+    moved = picture(text % (solid, *along, *(eye + along)), precision="double", channels=["depth", "cell"])
+    still = picture(text % (solid, 0, 0, 0, *eye), precision="double", channels=["depth", "cell"])
+    with np.errstate(invalid="ignore"):
+        off = np.abs(moved.channels["depth"] - still.channels["depth"]) > 1e-2
+    assert np.count_nonzero(off) <= 0.002 * off.size
+    # Each object has one cell number, whichever cell it is seen from.
+    pairs = np.unique(
+        np.stack([moved.channels["cell"], still.channels["cell"]])[:, still.channels["cell"] > 0], axis=1
+    )
+    assert pairs.shape[1] <= 1.02 * np.unique(still.channels["cell"]).size
+
+
+def test_an_object_outside_the_cell_is_led_into_it():
+    text = "geometry: e3\nmanifold: three-torus\nobjects: [{ball: {radius: 0.2}, at: [%s, 0.05, 0]}]\n"
+    inside, outside = picture(text % "0.4"), picture(text % "2.4")
+    np.testing.assert_allclose(inside.channels["depth"], outside.channels["depth"], atol=1e-4)
+
+
+def test_a_tile_stands_beside_what_crosses_a_wall():
+    text = (
+        "geometry: h3\nmanifold: seifert-weber\nobjects: [{tile: {ball: 1.3}}, {cylinder: {radius: 0.05}}]\n"
+    )
+    objects = picture(text).channels["object"]
+    assert 0 < np.count_nonzero(objects == 2) < np.count_nonzero(objects == 1)
 
 
 def test_camera_that_looks_at_its_own_place_is_an_error_at_its_line():

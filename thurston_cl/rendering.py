@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from thurston_cl import device as devices
 from thurston_cl.device import Device
+from thurston_cl.errors import ThurstonError
 from thurston_cl.image import Image
 from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, build_widest
 from thurston_cl.scene import schema
@@ -29,6 +30,9 @@ TILE_SIDE_ELSEWHERE = 1024
 # Tiles are padded to a multiple of this, so that each holds a whole number of work-groups at every lane width
 # (64 x 16).
 TILE_STEP = 32
+
+# Rays out of steps are told of when they are so large a share: fewer graze an edge and are not seen.
+TOLD_OUT_OF_STEPS = 0.05
 
 # Pixels that one work-item of trace_refill owns at most; measured flat from 512 to 4096 on PoCL.
 REFILL_CHUNK = 1024
@@ -63,7 +67,7 @@ def render(
     size: tuple[int, int] | None = None,
     samples: int | None = None,
     crop: tuple[int, int, int, int] | None = None,
-    channels: Collection[str] = CHANNELS,
+    channels: Collection[str] = ("beauty", "depth", "normal", "steps", "object"),
     progress: Callable[[int, int], None] | None = None,
 ) -> Image:
     """Render a scene to an image with the given channels; the arguments replace what the scene says.
@@ -98,6 +102,12 @@ def render(
     plan = make_plan(scene, device=chosen, size=whole, channels=channels)
     renderer = TileRenderer(plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish)
     image_channels, statistics = _render_tiles(renderer, area, samples, channels, progress)
+    if statistics["out_of_steps"] > TOLD_OUT_OF_STEPS * statistics["rays"]:
+        share = statistics["out_of_steps"] / statistics["rays"]
+        warnings.warn(
+            f"{share:.1%} of the rays ran out of steps, and show what they came nearest to; raise steps",
+            stacklevel=2,
+        )
     if statistics["hits"] == 0:
         warnings.warn("no ray hit anything: is every object out of sight?", stacklevel=2)
     statistics |= {
@@ -203,6 +213,12 @@ class TileRenderer:
         self.finish = "packet" if finish == "auto" and self.lanes == 1 else finish
         self.kernel_seconds = 0.0
         flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
+        room = device.context.devices[0].max_constant_buffer_size
+        if plan.numbers.size * self.dtype.itemsize > room:
+            raise ThurstonError(
+                f"the scene has {plan.numbers.size} numbers, more than the {room} bytes for constants on "
+                f"{device.info.name} hold; use fewer translates of lights"
+            )
         self._numbers = cl.Buffer(device.context, flags, hostbuf=plan.numbers.astype(self.dtype))
         self._next_cell = cl.Buffer(device.context, flags, hostbuf=np.ascontiguousarray(plan.next_cell))
         self._kernels = {
@@ -351,6 +367,8 @@ def _render_tiles(
     counts = dict.fromkeys(COUNTS, 0)
     shifts = sample_shifts(samples)
     all_tiles = list(tiles(area, renderer.side))
+    # The middle first: it says how to go on.
+    all_tiles.insert(0, all_tiles.pop(len(all_tiles) // 2))
     done, total = 0, len(all_tiles) * samples
 
     def after_sample() -> None:

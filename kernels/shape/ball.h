@@ -5,14 +5,14 @@ FN real ball_distance(point q, real radius) { return origin_distance(q) - radius
 FN surface ball_surface(point q, real radius)
 {
   real across = sqrt(fma(q.x, q.x, q.y * q.y));
-  surface s = {ball_distance(q, radius), {q.x, q.y, q.z, REAL(0)},
+#if CURVATURE == 0
+  covector gradient = {q.x, q.y, q.z, REAL(0)};
+#else
+  // Of -<o, q>, which grows with the distance all the way; |x| falls again past the equator of s3.
+  covector gradient = {REAL(0), REAL(0), REAL(0), REAL(-CURVATURE)};
+#endif
+  surface s = {ball_distance(q, radius), gradient,
                fma(arc_tangent_2(q.y, q.x), REAL(C(0.15915494309189535)), REAL(C(0.5))),
                fma(arc_tangent_2(q.z, across), REAL(C(0.31830988618379067)), REAL(C(0.5)))};
-#if CURVATURE == 1
-  // Past the equator |x| falls again, and so would its gradient.
-  mask past = q.w < REAL(0);
-  covector by_height = {REAL(0), REAL(0), REAL(0), REAL(-1)};
-  s.gradient = select_4(past, by_height, s.gradient);
-#endif
   return s;
 }

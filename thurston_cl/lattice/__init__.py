@@ -16,7 +16,7 @@ from thurston_cl.lattice.dirichlet import dirichlet
 from thurston_cl.lattice.domain import Lattice, edges, vertices
 from thurston_cl.lattice.given import from_matrices
 from thurston_cl.lattice.isometry import LatticeError, curvature, inverse
-from thurston_cl.lattice.orbit import cell_table, elements, neighbours
+from thurston_cl.lattice.orbit import cell_table, elements, neighbours, paths
 from thurston_cl.lattice.polyhedron import Edge, Vertex
 
 __all__ = [
@@ -35,6 +35,7 @@ __all__ = [
     "named",
     "names",
     "neighbours",
+    "paths",
     "presentation",
     "vertices",
 ]

@@ -2,13 +2,16 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from thurston_cl.lattice.isometry import ORIGIN, Array, bisector, inverse, on_model, wall_distance
+from thurston_cl.lattice.isometry import ORIGIN, Array, bisector, form, inverse, on_model, wall_distance
 from thurston_cl.lattice.polyhedron import Edge, Polyhedron, Vertex
 
+# Walls whose Gram determinant is less meet nowhere in the space, or are the same.
+DEGENERATE = 1e-9
 # A point this far outside is inside: without slack, rounding sends points on a wall to and fro for ever.
 SLACK = 1e-12
 
@@ -77,6 +80,26 @@ class Lattice:
     def clearance(self, points: ArrayLike) -> Array:
         """Distance (N,) of points (N,4) from the nearest wall's plane; negative outside the domain."""
         return wall_distance(self.geometry, -np.max(np.asarray(points) @ self.walls.T, axis=-1))
+
+    def distance_from(self, point: ArrayLike) -> float:
+        """Distance of a point (4,) from the domain; 0 inside.
+
+        It is the distance from the face, edge or corner where the walls meet that the point is behind: with
+        the heights v over these walls and their Gram matrix G, v G^-1 v is the square of that distance in e3,
+        of its sine in s3, of its hyperbolic sine in h3, if G^-1 v is positive.
+        """
+        heights = self.walls @ np.asarray(point)
+        behind = np.flatnonzero(heights > 0)
+        square = 0.0
+        for size in (1, 2, 3):
+            for corner in combinations(behind, size):
+                normals, v = self.walls[list(corner)], heights[list(corner)]
+                gram = (normals * form(self.geometry)) @ normals.T
+                if np.linalg.det(gram) > DEGENERATE:
+                    weights = np.linalg.solve(gram, v)
+                    if np.all(weights > 0):
+                        square = max(square, float(v @ weights))
+        return float(wall_distance(self.geometry, np.sqrt(square)))
 
     def teleport(self, points: ArrayLike, max_steps: int = 1000) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Lead points (N,4) of the model back into the domain.

@@ -81,6 +81,31 @@ def cell_table(lattice: Lattice, size: int) -> tuple[Array, NDArray[np.int32]]:
     return cells, following.reshape(len(cells), len(lattice.walls)).astype(np.int32)
 
 
+def paths(lattice: Lattice, wanted: Array) -> list[tuple[int, ...]]:
+    """For each of the elements (M,4,4) the walls that lead from the domain to its cell, one after the other.
+
+    A path (f, g, ...) belongs to the element inverse(maps[f]) inverse(maps[g]) ..., as in `cell_table`.
+    """
+    goals = wanted @ ORIGIN
+    found: dict[int, tuple[int, ...]] = {}
+    level: list[tuple[Array, tuple[int, ...]]] = [(np.eye(4), ())]
+    reached = np.array([ORIGIN])
+    apart = _apart(lattice)
+    while len(found) < len(goals):
+        following = []
+        for element, path in level:
+            for wall, step in enumerate(lattice.inverses):
+                point = element @ step @ ORIGIN
+                if np.min(np.linalg.norm(reached - point, axis=1)) < apart:
+                    continue
+                reached = np.concatenate([reached, point[None]])
+                following.append((element @ step, (*path, wall)))
+                for goal in np.flatnonzero(np.linalg.norm(goals - point, axis=1) < apart):
+                    found[int(goal)] = (*path, wall)
+        level = following
+    return [found[k] for k in range(len(goals))]
+
+
 def _apart(lattice: Lattice) -> float:
     """A distance in R^4 below which two points of the orbit of the origin are the same.
 

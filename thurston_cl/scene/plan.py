@@ -22,11 +22,9 @@ from thurston_cl.scene.write_objects import write_objects
 from thurston_cl.scene.write_walls import write_walls
 from thurston_cl.scene.writer import Writer
 
-# How far a ray goes where the scene does not say. In h3 without a lattice, coordinates grow like e^t and
-# single precision has no digits left beyond this; in a cell they stay small. In s3 a ray is back where it
-# began.
+# How far a ray goes where the scene does not say. In h3 nearby directions part like e^t, so that single
+# precision, with log(1/EPSILON) = 16, has no digits left beyond this. In s3 a ray is back where it began.
 FAR = {"e3": 100.0, "s3": 2 * np.pi, "h3": 15.0}
-FAR_IN_QUOTIENT = {"e3": 100.0, "s3": 2 * np.pi, "h3": 40.0}
 
 # Cells with a number of their own; those farther away share the last. 4096 numbers fit half of a second-level
 # cache.
@@ -55,6 +53,7 @@ class Plan:
     numbers: NDArray[np.float64]
     next_cell: NDArray[np.int32]
     near_walls: str
+    object_images: int
     light_images: int
 
     @property
@@ -91,7 +90,7 @@ class Plan:
             "geometry": self.scene.geometry,
             "space": quotient,
             "objects": f"{len(self.scene.objects)}, made of: {', '.join(shapes)}",
-            "distance near walls": self.near_walls,
+            "distance near walls": f"{self.near_walls}, {self.object_images} images of objects over walls",
             "lights": f"{len(self.scene.lights) or 'the default ones'}, {self.light_images} images in all",
             "called for": ", ".join(self.called_for) or "nothing beyond point lights",
             "left out": ", ".join(self.left_out) or "nothing",
@@ -118,14 +117,14 @@ def make_plan(
     device = device or devices.choose()
     wanted = {channel for output in scene.outputs for channel in output.channels} | set(channels)
     geometry = Geometry(scene.geometry, "double" if device.info.fp64 else "single", device)
-    numbers = Numbers([scene.render.threshold, _far(scene)])
+    numbers = Numbers([scene.render.threshold, scene.render.far or FAR[scene.geometry]])
     place = Placement(geometry)
     cell_ids = "cell" in wanted and scene.lattice is not None
-    writer = Writer(scene, geometry, numbers, choose_near_walls(scene, place), cell_ids)
+    writer = Writer(scene, geometry, numbers, choose_near_walls(scene), cell_ids)
     camera = _camera(scene, place)
 
     write_walls(writer)
-    write_objects(writer)
+    object_images = write_objects(writer)
     _write_camera(writer, camera, size or scene.render.size)
     objects = writer.text()
     light_images = write_lights(writer, camera)
@@ -133,17 +132,9 @@ def make_plan(
     defines, next_cell = _quotient(writer)
     generated = {"scene objects": objects, "scene light": writer.text()}
     source = Source(_order(scene.geometry, writer.parts), defines, generated)
-    return Plan(scene, source, np.array(numbers.values), next_cell, writer.near_walls, light_images)
-
-
-def _far(scene: schema.Scene) -> float:
-    """How far a ray goes; a cell of infinite volume keeps coordinates no smaller than the whole space."""
-    if scene.render.far is not None:
-        return scene.render.far
-    lattice = scene.lattice
-    if lattice is None or any(vertex.kind == "hyperideal" for vertex in lattice.polyhedron.vertices):
-        return FAR[scene.geometry]
-    return FAR_IN_QUOTIENT[scene.geometry]
+    return Plan(
+        scene, source, np.array(numbers.values), next_cell, writer.near_walls, object_images, light_images
+    )
 
 
 def _camera(scene: schema.Scene, place: Placement) -> CameraFrame:
@@ -179,7 +170,7 @@ def _quotient(writer: Writer) -> tuple[dict[str, str | int], NDArray[np.int32]]:
     next_cell = np.zeros((1, 1), np.int32)
     if writer.lattice is not None:
         defines["IN_QUOTIENT"] = 1
-        if writer.near_walls in ("creeping", "both"):
+        if writer.creeping:
             defines["CREEPING"] = 1
         if writer.cell_ids:
             _, next_cell = cell_table(writer.lattice, CELL_TABLE)

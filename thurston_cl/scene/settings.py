@@ -39,8 +39,8 @@ class RenderSettings(Node):
     distance: Literal["auto", "domain", "creeping", "neighbours", "both"] = Field(
         default="auto",
         description="How the distance to the objects is found near the walls of a manifold's cell (paper, "
-        "4.2): `domain` looks at this cell only, `creeping` stops at walls, `neighbours` looks into the "
-        "cells around, `both` does both.",
+        "4.2): `domain` looks at this cell only, `creeping` stops at walls, `neighbours` looks over each "
+        "wall, `both` does both. `auto` finds out for each object which images reach into the cell.",
     )
     finish: Literal["auto", "packet", "refill"] = Field(
         default="auto",

@@ -3,24 +3,34 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from thurston_cl.lattice import Lattice, paths
 from thurston_cl.lattice.isometry import inverse, snap
 from thurston_cl.scene import schema
+from thurston_cl.scene.near_walls import images, is_hollow
 from thurston_cl.scene.numbers import Numbers, components
 from thurston_cl.scene.placement import turn_to
 from thurston_cl.scene.writer import Writer
 
 Array = NDArray[np.float64]
 
-P = components("p")
 
-
-def write_objects(writer: Writer) -> None:
-    """Add the distance and the surface of all objects, in the cell and as seen over its walls."""
-    distances = []
-    surfaces = ["surface s;", "mask nearer;"]
+def write_objects(writer: Writer) -> int:
+    """Add the distance and the surface of all objects; returns the number of images that are looked at."""
+    distance: list[str] = []
+    surface = [
+        "surface best = {REAL(INFINITY), {REAL(0), REAL(0), REAL(0), REAL(1)}, REAL(0), REAL(0)}, s;",
+        "material none = {{REAL(0), REAL(0), REAL(0)}, REAL(0), REAL(0), REAL(0), REAL(0)};",
+        "*object = REAL(0);",
+        "*m = none;",
+        "mask nearer;",
+    ]
+    if writer.cell_ids:
+        surface.append("real seen_from = *cell;")
+    count = 0
     for k, solid in enumerate(writer.scene.objects, start=1):
         _check_tile(writer, solid, ("objects", k - 1))
-        text = _SolidText(writer, solid)
+        outer = _carry(writer, solid, ("objects", k - 1))
+        text = _SolidText(writer, solid, outer)
         writer.function(f"real object_{k}_distance(point p, scene_data scene)", [f"return {text.distance};"])
         writer.function(
             f"surface object_{k}_surface(point p, scene_data scene)", [*text.lines, f"return {text.name};"]
@@ -30,64 +40,70 @@ def write_objects(writer: Writer) -> None:
             f"material object_{k}_material(surface s, scene_data scene)",
             [f"material m = {material};", "return m;"],
         )
-        distances.append(f"object_{k}_distance(p, scene)")
-        surfaces += [
-            f"s = object_{k}_surface(p, scene);",
-            "nearer = s.distance < best->distance;",
-            "*best = nearer_of(s, *best, nearer);",
-            f"*object = SELECT(nearer, REAL({k}), *object);",
-            f"*m = select_material(nearer, object_{k}_material(s, scene), *m);",
-        ]
-    total = distances[0]
-    for distance in distances[1:]:
-        total = f"fmin({total}, {distance})"
-    writer.function("real cell_distance(point p, scene_data scene)", [f"return {total};"])
-    writer.function(
-        "void cell_surface(point p, surface *best, real *object, material *m, scene_data scene)", surfaces
-    )
-    _write_over_walls(writer)
-
-
-def _write_over_walls(writer: Writer) -> None:
-    """The distance and the surface seen from a point: of the cell alone, or also of the cells behind its
-    walls.
-    """
-    distance = ["real distance = cell_distance(p, scene);"]
-    surface = [
-        "surface best = {REAL(INFINITY), {REAL(0), REAL(0), REAL(0), REAL(1)}, REAL(0), REAL(0)};",
-        "material none = {{REAL(0), REAL(0), REAL(0)}, REAL(0), REAL(0), REAL(0), REAL(0)};",
-        "*object = REAL(0);",
-        "*m = none;",
-        "cell_surface(p, &best, object, m, scene);",
-    ]
-    if writer.near_walls in ("neighbours", "both"):
-        assert writer.lattice is not None
-        maps, count = writer.numbers.add(writer.lattice.maps.ravel()), len(writer.lattice.maps)
-        loop = f"for (int wall = 0; wall < {count}; wall++) {{"
-        distance += [
-            loop,
-            f"  distance = fmin(distance, cell_distance(apply(scene, {maps} + 16 * wall, p), scene));",
-            "}",
-        ]
-        surface += [
-            "real seen_from = *cell;" if writer.cell_ids else "",
-            loop,
-            "  surface there = best;",
-            f"  cell_surface(apply(scene, {maps} + 16 * wall, p), &there, object, m, scene);",
-            "  mask nearer = there.distance < best.distance;",
-            f"  there.gradient = pull_back(scene, {maps} + 16 * wall, there.gradient);",
-            "  best = nearer_of(there, best, nearer);",
-            "  *cell = SELECT(nearer, cell_behind(seen_from, nearer, wall, scene), *cell);"
-            if writer.cell_ids
-            else "",
-            "}",
-        ]
+        own = f"object_{k}_distance(p, scene)"
+        distance.append(f"distance = fmin(distance, {own});" if distance else f"real distance = {own};")
+        surface += [f"s = object_{k}_surface(p, scene);", *_take_nearer(k)]
+        if writer.lattice is not None:
+            seen = images(solid, outer, writer.near_walls, writer.lattice, writer.place)
+            count += len(seen)
+            if len(seen):
+                more_distance, more_surface = _over_walls(writer, writer.lattice, k, seen)
+                distance += more_distance
+                surface += more_surface
     writer.function("real scene_distance(point p, scene_data scene)", [*distance, "return distance;"])
     writer.function(
         "void scene_surface(point p, real *object, real *cell, covector *gradient, material *m,"
         " scene_data scene)",
-        [*(line for line in surface if line), "*gradient = best.gradient;"],
+        [*surface, "*gradient = best.gradient;"],
     )
+    return count
+
+
+def _take_nearer(k: int) -> list[str]:
+    """Keep the surface s of object k where it is the nearest so far."""
+    return [
+        "nearer = s.distance < best.distance;",
+        "best = nearer_of(s, best, nearer);",
+        f"*object = SELECT(nearer, REAL({k}), *object);",
+        f"*m = select_material(nearer, object_{k}_material(s, scene), *m);",
+    ]
+
+
+def _over_walls(writer: Writer, lattice: Lattice, k: int, seen: Array) -> tuple[list[str], list[str]]:
+    """Distance and surface of the images of object k: the object itself, seen from the moved point."""
+    maps = writer.numbers.add(inverse(lattice.geometry, seen).ravel())
+    loop = f"for (int image = 0; image < {len(seen)}; image++) {{"
+    moved = f"apply(scene, {maps} + 16 * image, p)"
+    distance = [loop, f"  distance = fmin(distance, object_{k}_distance({moved}, scene));", "}"]
+    surface = [
+        f"s = object_{k}_surface({moved}, scene);",
+        f"s.gradient = pull_back(scene, {maps} + 16 * image, s.gradient);",
+        *_take_nearer(k),
+    ]
+    if writer.cell_ids:
+        ways = paths(lattice, seen)
+        longest = max(len(way) for way in ways)
+        place = writer.numbers.add(wall for way in ways for wall in (*way, *(-1,) * (longest - len(way))))
+        surface += [
+            "real there = seen_from;",
+            f"for (int step = 0; step < {longest}; step++) {{",
+            f"  int wall = (int)scene.numbers[{place} + {longest} * image + step];",
+            "  if (wall >= 0) there = cell_behind(there, nearer, wall, scene);",
+            "}",
+            "*cell = SELECT(nearer, there, *cell);",
+        ]
+    return distance, [loop, *(f"  {line}" for line in surface), "}"]
+
+
+def _carry(writer: Writer, solid: schema.Solid, location: tuple[str | int, ...]) -> Array:
+    """The group element (4,4) that leads a solid's centre into the cell; 1 for what fills the cell."""
+    if writer.lattice is None or is_hollow(solid):
+        return np.eye(4)
+    centre = writer.place.point(solid.at)
+    _, element, ok = writer.lattice.teleport(centre[None])
+    if not ok[0]:
+        raise writer.scene.error_at((*location, "at"), "no group element leads this object into the cell")
+    return np.asarray(element[0])
 
 
 def _check_tile(writer: Writer, solid: schema.Solid, location: tuple[str | int, ...]) -> None:
@@ -115,12 +131,12 @@ def _check_tile(writer: Writer, solid: schema.Solid, location: tuple[str | int, 
 class _SolidText:
     """The text of one solid: `distance`, and statements `lines` that work out the surface called `name`."""
 
-    def __init__(self, writer: Writer, solid: schema.Solid) -> None:
+    def __init__(self, writer: Writer, solid: schema.Solid, outer: Array) -> None:
         self._numbers, self._parts = writer.numbers, writer.parts
         self._place, self._lattice = writer.place, writer.lattice
         self._count = 0
         self.lines: list[str] = []
-        self.distance, self.name = self._solid(solid, np.eye(4))
+        self.distance, self.name = self._solid(solid, outer)
 
     def _solid(self, solid: schema.Solid, outer: Array) -> tuple[str, str]:
         """Distance and name of the surface; `outer` carries the frame of what it belongs to into the cell."""
@@ -195,9 +211,11 @@ class _SolidText:
         members = [self._leaf("ball", frame, self._numbers.term(tile.ball))]
         polyhedron = self._lattice.polyhedron
         if tile.vertices is not None:
-            members.append(self._ball_set(np.array([v.vector for v in polyhedron.vertices]), tile.vertices))
+            corners = np.array([vertex.vector for vertex in polyhedron.vertices])
+            members.append(self._ball_set(corners @ frame.T, tile.vertices))
         if tile.edges is not None:
-            members.append(self._ball_set(np.array([edge.point for edge in polyhedron.edges]), tile.edges))
+            middles = np.array([edge.point for edge in polyhedron.edges])
+            members.append(self._ball_set(middles @ frame.T, tile.edges))
         distance, name = members[0]
         for other, other_name in members[1:]:
             distance, name = f"fmin({distance}, {other})", self._let(f"union_of({name}, {other_name})")

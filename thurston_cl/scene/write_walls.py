@@ -22,7 +22,7 @@ def write_walls(writer: Writer) -> None:
         return
     writer.function("mask outside_cell(point p, scene_data scene)", _outside(lattice, numbers))
     writer.function("void teleport(ray *r, scene_data scene)", _teleport(lattice, numbers, writer.cell_ids))
-    if writer.near_walls in ("creeping", "both"):
+    if writer.creeping:
         writer.function("real wall_time(point p, vector v, scene_data scene)", _wall_time(lattice, numbers))
 
 

@@ -31,6 +31,11 @@ class Writer:
         return self.scene.lattice
 
     @property
+    def creeping(self) -> bool:
+        """Whether rays stop at walls (paper 4.2.1)."""
+        return self.near_walls in ("creeping", "both", "images")
+
+    @property
     def place(self) -> Placement:
         """Where things stand."""
         return Placement(self.geometry)
