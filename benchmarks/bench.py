@@ -11,6 +11,7 @@ import json
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,13 @@ from thurston_cl.scene import load_scene
 from thurston_cl.scene.plan import make_plan
 
 SCENES = Path(__file__).parent / "scenes"
+
+
+# What we want of PoCL with AVX-512; the machine decides, so these are printed and not checked.
+TARGETS = {
+    "hyperideal-cube.yaml": "target: under 1000 core-ms; 1 lane at least 15 times the default (8 with AVX2)",
+    "ideal-cube.yaml": "target: at most 60 core-ms in the better way, and no black pixel",
+}
 
 
 @dataclass
@@ -95,8 +103,6 @@ def memory() -> None:
         "image.save(sys.argv[2], force=True)\n"
         "print(json.dumps(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss))\n"
     )
-    import tempfile
-
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-c", code, str(SCENES / "ideal-cube.yaml"), f"{folder}/large.exr"]
         kilobytes = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
@@ -107,8 +113,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeat", type=int, default=5, help="counted runs of each contender (default 5)")
     parser.add_argument("--device", help="as for `thurston render`")
-    repeat = parser.parse_args().repeat
-    device = devices.choose(parser.parse_args().device)
+    arguments = parser.parse_args()
+    repeat = arguments.repeat
+    device = devices.choose(arguments.device)
     info = device.info
     wide = info.lane_width("single")
     print(f"{info.name}, {info.platform_version}, {wide} lanes; medians of {repeat} runs in turn")
@@ -127,6 +134,7 @@ def main() -> None:
             ways.append((f"{wide} lanes, packet, double", "double", info.lane_width("double"), "packet"))
         contenders = [contender(device, file, *way) for way in dict.fromkeys(ways)]
         race(title, contenders, repeat)
+        print(f"  {TARGETS[file]}")
     ideal_cube(device, repeat)
     memory()
 

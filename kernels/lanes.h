@@ -90,7 +90,7 @@ OVERLOADED int COUNT(MASK_N m) { return -(int)(m.x + m.y + m.z + m.w); }
   OVERLOADED R TO_REAL(I v) { R r; r.lo = TO_REAL(v.lo); r.hi = TO_REAL(v.hi); return r; } \
   OVERLOADED M IS_ODD(R k) { M m; m.lo = IS_ODD(k.lo); m.hi = IS_ODD(k.hi); return m; } \
   SPLIT_1(R, exp) SPLIT_1(R, log) SPLIT_1(R, sqrt) SPLIT_1(R, rsqrt) SPLIT_1(R, fabs) SPLIT_1(R, rint) SPLIT_1(R, floor) \
-  SPLIT_2(R, fmin) SPLIT_2(R, fmax) SPLIT_2(R, copysign) SPLIT_2(R, atan2) SPLIT_2(R, pow) \
+  SPLIT_2(R, fmin) SPLIT_2(R, fmax) SPLIT_2(R, copysign) SPLIT_2(R, atan2) \
   OVERLOADED R fma(R x, R y, R z) { R r; r.lo = fma(x.lo, y.lo, z.lo); r.hi = fma(x.hi, y.hi, z.hi); return r; }
 #define SPLIT_LOAD(R, H) \
   OVERLOADED R load_lanes(R *unused, size_t packet, __global const scalar *from) \

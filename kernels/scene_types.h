@@ -10,7 +10,6 @@ typedef struct {
 // The scene numbers every program has, first in the buffer.
 #define HIT_THRESHOLD 0
 #define FAR 1
-#define FIRST_FREE_NUMBER 2
 
 FN real number(scene_data scene, int k) { return REAL(scene.numbers[k]); }
 

@@ -251,6 +251,30 @@ def test_a_tile_stands_beside_what_crosses_a_wall():
     assert 0 < np.count_nonzero(objects == 2) < np.count_nonzero(objects == 1)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "geometry: h3\ncamera: {at: [1000, 0, 0]}\nobjects: [{ball: {radius: 0.3}}]\n",
+        "geometry: h3\nobjects: [{ball: {radius: 0.3}, at: [800, 0, 0]}]\n",
+        "geometry: h3\nobjects: [{ball: {radius: 0.3}}]\nlights: [{point: {at: [800, 0, 0]}}]\n",
+    ],
+)
+def test_what_is_too_far_away_is_an_error_at_its_line(text):
+    with pytest.raises(SceneError, match="too far away"):
+        picture(text)
+
+
+def test_objects_at_the_antipode_are_not_mirrored():
+    text = (
+        "geometry: s3\ncamera: {at: [0.4, 0.3, 2.4], look: {to: [0, 0, 3.1]}}\nobjects:\n  - union:\n"
+        "      - {ball: {radius: 0.2}, at: [0.3, 0, 0]}\n      - {ball: {radius: 0.1}, at: [0.3, 0.3, 0]}\n"
+        "      - {ball: {radius: 0.15}, at: [0, 0.3, 0.3]}\n    at: %s\n"
+    )
+    exact, near = picture(text % "{model: [0, 0, 0, -1]}"), picture(text % "[3.14159265358979, 0, 0]")
+    off = exact.channels["object"] != near.channels["object"]
+    assert np.count_nonzero(off) <= 0.002 * off.size and exact.channels["object"].any()
+
+
 def test_camera_that_looks_at_its_own_place_is_an_error_at_its_line():
     text = "geometry: h3\ncamera: {at: [0, 0, 3], look: {to: [0, 0, 3]}}\nobjects: [{ball: {radius: 0.3}}]\n"
     with pytest.raises(SceneError, match="camera stands at the point it looks at"):
@@ -287,7 +311,9 @@ def test_tile_vertices_that_are_no_points_are_an_error():
         ({"finish": "never"}, "unknown finish 'never'"),
         ({"precision": "half"}, "unknown precision 'half'"),
         ({"lanes": 7}, "7 lanes"),
-        ({"samples": 0}, "samples"),
+        ({"samples": 0}, "0 samples"),
+        ({"samples": 2.5}, "2.5 samples"),
+        ({"size": (0, 5)}, "size"),
     ],
 )
 def test_arguments_that_make_no_sense_are_named(settings, words):

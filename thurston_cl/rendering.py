@@ -91,13 +91,15 @@ def render(
         _check_name("channel", channel, CHANNELS)
     if lanes is not None and lanes not in LANE_WIDTHS:
         raise ValueError(f"{lanes} lanes; expected one of: {', '.join(map(str, LANE_WIDTHS))}")
-    if samples < 1:
-        raise ValueError(f"{samples} samples; expected at least 1")
+    if samples < 1 or samples != int(samples):
+        raise ValueError(f"{samples} samples; expected a whole number from 1")
     if precision == "double" and not chosen.info.fp64:
         raise ValueError(
             f"{chosen.info.name} has no double precision; choose single precision or another device"
         )
     whole = size or settings.size
+    if any(side < 1 or side != int(side) for side in whole):
+        raise ValueError(f"size {tuple(whole)}; expected two whole numbers from 1")
     area = _checked_crop(crop, whole)
     plan = make_plan(scene, device=chosen, size=whole, channels=channels)
     renderer = TileRenderer(plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish)

@@ -16,6 +16,8 @@ from thurston_cl.scene import schema
 Array = NDArray[np.float64]
 # Below this sine of their angle, the direction of view and up leave no plane for the picture's sides.
 PARALLEL = 1e-9
+# Coordinates beyond this have lost all digits of what is near them; in h3, 27 from the origin.
+FARTHEST = 1e12
 Z_AXIS = np.array([0.0, 0.0, 1.0])
 
 
@@ -51,7 +53,10 @@ class Placement:
         length = float(np.linalg.norm(vector))
         if length == 0:
             return np.array([0.0, 0.0, 0.0, 1.0])
-        return self.geometry.flow(vector / length, length)[0][0]
+        point = self.geometry.flow(vector / length, length)[0][0]
+        if not np.all(np.abs(point) < FARTHEST):
+            raise ValueError("this point is too far away to be computed with")
+        return point
 
     def isometry(
         self, where: "schema.ModelPoint | tuple[float, float, float]", turns: Iterable[schema.Rotation] = ()
@@ -63,7 +68,11 @@ class Placement:
             matrix = (
                 block(Rotation.from_rotvec(axis / np.linalg.norm(axis) * turn.angle).as_matrix()) @ matrix
             )
-        return snap(self.geometry.translation_matrix(self.point(where))[0] @ matrix)
+        translation = self.geometry.translation_matrix(self.point(where))[0]
+        if np.linalg.det(translation) < 0:
+            # The antipode of the origin of s3: any rotation that leads there will do, a reflection will not.
+            translation = np.diag([-1.0, 1.0, 1.0, -1.0])
+        return snap(translation @ matrix)
 
 
 class CameraFrame:

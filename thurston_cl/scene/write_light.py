@@ -30,7 +30,10 @@ def write_lights(writer: Writer, camera: CameraFrame) -> int:
     """
     loops: dict[tuple[int, bool], list[float]] = {}
     for k, light in enumerate(writer.scene.lights):
-        point = writer.place.point(light.point.at)
+        try:
+            point = writer.place.point(light.point.at)
+        except ValueError as error:
+            raise writer.scene.error_at(("lights", k, "point", "at"), str(error)) from error
         color = np.array(light.point.color.linear) * light.point.intensity
         if writer.lattice is not None:
             carried, _, ok = writer.lattice.teleport(point[None])

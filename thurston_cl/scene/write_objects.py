@@ -29,8 +29,11 @@ def write_objects(writer: Writer) -> int:
     count = 0
     for k, solid in enumerate(writer.scene.objects, start=1):
         _check_tile(writer, solid, ("objects", k - 1))
-        outer = _carry(writer, solid, ("objects", k - 1))
-        text = _SolidText(writer, solid, outer)
+        try:
+            outer = _carry(writer, solid, ("objects", k - 1))
+            text = _SolidText(writer, solid, outer)
+        except ValueError as error:
+            raise writer.scene.error_at(("objects", k - 1, "at"), str(error)) from error
         writer.function(f"real object_{k}_distance(point p, scene_data scene)", [f"return {text.distance};"])
         writer.function(
             f"surface object_{k}_surface(point p, scene_data scene)", [*text.lines, f"return {text.name};"]
