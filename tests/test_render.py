@@ -275,6 +275,11 @@ def test_objects_at_the_antipode_are_not_mirrored():
     assert np.count_nonzero(off) <= 0.002 * off.size and exact.channels["object"].any()
 
 
+def test_no_ray_leaves_a_finite_hollow_for_the_background():
+    image = picture(CORRIDOR + "background: [9, 0, 0]\nrender: {steps: 100}\n", size=(256, 256))
+    assert np.all(image.channels["object"] == 1)
+
+
 def test_camera_that_looks_at_its_own_place_is_an_error_at_its_line():
     text = "geometry: h3\ncamera: {at: [0, 0, 3], look: {to: [0, 0, 3]}}\nobjects: [{ball: {radius: 0.3}}]\n"
     with pytest.raises(SceneError, match="camera stands at the point it looks at"):

@@ -22,9 +22,12 @@ from thurston_cl.scene.write_objects import write_objects
 from thurston_cl.scene.write_walls import write_walls
 from thurston_cl.scene.writer import Writer
 
-# How far a ray goes where the scene does not say. In h3 nearby directions part like e^t, so that single
-# precision, with log(1/EPSILON) = 16, has no digits left beyond this. In s3 a ray is back where it began.
+# How far a ray goes where the scene does not say. In s3 a ray is back where it began. In h3 nearby directions
+# part like e^t, so that single precision, with log(1/EPSILON) = 16, has no digits left beyond 15. A cell of
+# finite volume has something to hit in every direction, and no background: there a ray goes on, and what it
+# shows beyond 15 is finer than any pixel.
 FAR = {"e3": 100.0, "s3": 2 * np.pi, "h3": 15.0}
+FAR_IN_FINITE_CELL = FAR | {"h3": 40.0}
 
 # Cells with a number of their own; those farther away share the last. 4096 numbers fit half of a second-level
 # cache.
@@ -117,7 +120,7 @@ def make_plan(
     device = device or devices.choose()
     wanted = {channel for output in scene.outputs for channel in output.channels} | set(channels)
     geometry = Geometry(scene.geometry, "double" if device.info.fp64 else "single", device)
-    numbers = Numbers([scene.render.threshold, scene.render.far or FAR[scene.geometry]])
+    numbers = Numbers([scene.render.threshold, _far(scene)])
     place = Placement(geometry)
     cell_ids = "cell" in wanted and scene.lattice is not None
     writer = Writer(scene, geometry, numbers, choose_near_walls(scene), cell_ids)
@@ -135,6 +138,14 @@ def make_plan(
     return Plan(
         scene, source, np.array(numbers.values), next_cell, writer.near_walls, object_images, light_images
     )
+
+
+def _far(scene: schema.Scene) -> float:
+    if scene.render.far is not None:
+        return scene.render.far
+    lattice = scene.lattice
+    finite = lattice is not None and all(v.kind != "hyperideal" for v in lattice.polyhedron.vertices)
+    return (FAR_IN_FINITE_CELL if finite else FAR)[scene.geometry]
 
 
 def _camera(scene: schema.Scene, place: Placement) -> CameraFrame:
