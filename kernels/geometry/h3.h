@@ -6,8 +6,8 @@
 // ACCURACY (maximal relative error, tests/test_golden.py; r is the distance from the origin)
 //   points, velocity                   float 8e-7     double 2e-15   from the origin to t = 38: 1.4e-7, 3e-15
 //   distance, both within r = 3        float 2.1e-7   double 4.3e-16
-//   distance, r = 6; 12; 15            float 4.2e-6; 1.7e-3; 1.9e-3   double 6.4e-15; 4.1e-12; 2.8e-12
-//   direction                          7 EPSILON w: in float meaningless beyond r = 12, in double 1.2e-9 at 15
+//   distance, r = 6; 12; 15            float 4.2e-6; 1.7e-3; 1.9e-3   double 4e-16 at any r
+//   direction                          float 7 EPSILON w: meaningless beyond r = 12   double 5e-15 to r = 15
 #define CURVATURE -1
 FN real curved_sine(real t, real *cosine) { return sinh_cosh(t, cosine); }
 FN real arc_of_sine(real s) { return copysign(area_sinh(fabs(s)), s); }
@@ -34,6 +34,26 @@ FN void chord(point p, point q, point p_tail, point q_tail, real4_lanes *d, real
   d->w = dot_3(first_3(*d), first_3(*sum)) / sum->w;
 }
 
+// a b - c d to the last digits, however nearly equal the products are (Kahan, with fma).
+FN real difference_of_products(real a, real b, real c, real d)
+{
+  real product = c * d, error = fma(-c, d, product);
+  return fma(a, b, -product) + error;
+}
+
+// p x q of spatial parts. In double the points themselves are exact; in single the difference d has their tails.
+FN real3_lanes moment_of(real3_lanes p, real3_lanes q, real3_lanes d)
+{
+#ifdef FP64
+  real3_lanes b = q;
+#else
+  real3_lanes b = select_3(dot_3(q, q) < dot_3(d, d), q, d);
+#endif
+  real3_lanes m = {difference_of_products(p.y, b.z, p.z, b.y), difference_of_products(p.z, b.x, p.x, b.z),
+                   difference_of_products(p.x, b.y, p.y, b.x)};
+  return m;
+}
+
 // Beyond this product the points are so far apart that acosh does not cancel.
 #define OPPOSITE_ABOVE 2
 FN real distance_between(point p, point q, point p_tail, point q_tail)
@@ -44,8 +64,8 @@ FN real distance_between(point p, point q, point p_tail, point q_tail)
   real w_p = height(x_p), w_q = height(x_q), along = dot_3(x_p, x_q), product = fma(w_p, w_q, -along);
   // d is scaled to size 1 before it is squared: coordinates reach 1e13 in float.
   real size = fmax(fmax(fabs(d.x), fabs(d.y)), fmax(fabs(d.z), REAL(TINY)));
+  real3_lanes moment = scale_3(moment_of(x_p, x_q, d), REAL(1) / size);
   d = scale_3(d, REAL(1) / size);
-  real3_lanes moment = cross_3(d, select_3(w_p < w_q, x_p, x_q));
   real quarter = (dot_3(moment, moment) + dot_3(d, d)) / (REAL(2) * (REAL(1) + fma(w_p, w_q, along)));
   mask opposite_far = (along < REAL(0)) & (product > REAL(OPPOSITE_ABOVE));
   real near_length = REAL(2) * area_sinh(size * sqrt(quarter));
@@ -71,8 +91,7 @@ FN direction towards(point p, point q, point p_tail, point q_tail)
   real3_lanes n = scale_3(x, REAL(1) / r);
   real a = dot_3(n, d), w_p = height(x), total = w_p + w_q;
   // The part across, from the shorter of d and x_q; and W + a = (w_p - r) + w_q + n . x_q, in which r has gone.
-  real3_lanes shorter = select_3(dot_3(x_q, x_q) < dot_3(d, d), x_q, d);
-  direction across = add_scaled_3(shorter, n, -dot_3(n, shorter));
+  direction across = cross_3(scale_3(moment_of(x, x_q, d), REAL(1) / r), n);
   real total_plus_a = REAL(1) / (w_p + r) + w_q + dot_3(n, x_q);
   real forward = (REAL(2) * a * total - dot_3(across, across) * fma(r, total, -a * w_p)) / ((total - a) * total_plus_a);
   mask split = dot_3(x, x) > REAL(SPLIT_DIRECTION_ABOVE);
