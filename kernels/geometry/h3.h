@@ -90,7 +90,7 @@ FN direction towards(point p, point q, point p_tail, point q_tail)
   real r = sqrt(fmax(dot_3(x, x), REAL(SPLIT_DIRECTION_ABOVE)));
   real3_lanes n = scale_3(x, REAL(1) / r);
   real a = dot_3(n, d), w_p = height(x), total = w_p + w_q;
-  // The part across, from the shorter of d and x_q; and W + a = (w_p - r) + w_q + n . x_q, in which r has gone.
+  // The part across, (n x d) x n; and W + a = (w_p - r) + w_q + n . x_q, in which r has gone.
   direction across = cross_3(scale_3(moment_of(x, x_q, d), REAL(1) / r), n);
   real total_plus_a = REAL(1) / (w_p + r) + w_q + dot_3(n, x_q);
   real forward = (REAL(2) * a * total - dot_3(across, across) * fma(r, total, -a * w_p)) / ((total - a) * total_plus_a);

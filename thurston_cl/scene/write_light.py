@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from thurston_cl.lattice import Lattice, elements
+from thurston_cl.lattice import Lattice, elements, neighbours
 from thurston_cl.scene.placement import CameraFrame
 from thurston_cl.scene.writer import Writer
 
@@ -83,7 +83,7 @@ def _images(lattice: Lattice | None, translates: "int | str") -> Array:
     if lattice is None:
         return np.eye(4)[None]
     if translates == "neighbours":
-        return np.concatenate([np.eye(4)[None], lattice.inverses])
+        return neighbours(lattice)
     return elements(lattice, count=int(translates))
 
 
