@@ -73,14 +73,31 @@ def race(title: str, contenders: list[Contender], repeat: int) -> None:
         for each in contenders:
             each.run()
     print(f"\n{title}")
-    print(f"  {'':34} {'core-ms':>9} {'ratio':>7} {'min':>6} {'max':>6} {'Msteps/s':>9}")
+    print(f"  {'':50} {'core-ms':>9} {'ratio':>7} {'min':>6} {'max':>6} {'Msteps/s':>9}")
     first = contenders[0]
     for each in contenders:
         ratios = [a / b for a, b in zip(each.seconds[1:], first.seconds[1:], strict=True)]
         print(
-            f"  {each.name:34} {1e3 * each.median:9.1f} {statistics.median(ratios):7.2f} {min(ratios):6.2f}"
+            f"  {each.name:50} {1e3 * each.median:9.1f} {statistics.median(ratios):7.2f} {min(ratios):6.2f}"
             f" {max(ratios):6.2f} {1e-6 * each.steps / each.median:9.1f}"
         )
+
+
+# Lattices of exact balls, one light, no shadow: how much more than the flat one do twisted geometries cost?
+BALL_LATTICES = {
+    "ball-lattice-e3.yaml": "three-torus (e3)",
+    "ball-lattice-nil.yaml": "Heisenberg (nil); target: at most 6",
+    "ball-lattice-sl2.yaml": "tangent bundle, genus two (sl2); target: at most 8",
+}
+
+
+def ball_lattices(device: Device, repeat: int) -> None:
+    """What nil and sl2 cost against e3, in single precision and at the default width."""
+    lanes = device.info.lane_width("single")
+    contenders = [
+        contender(device, file, name, "single", lanes, "auto") for file, name in BALL_LATTICES.items()
+    ]
+    race("lattices of exact balls, 1024 x 768, one light, no shadow", contenders, repeat)
 
 
 def ideal_cube(device: Device, repeat: int) -> None:
@@ -135,6 +152,7 @@ def main() -> None:
         contenders = [contender(device, file, *way) for way in dict.fromkeys(ways)]
         race(title, contenders, repeat)
         print(f"  {TARGETS[file]}")
+    ball_lattices(device, repeat)
     ideal_cube(device, repeat)
     memory()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import importlib
 import os
 import signal
@@ -17,7 +18,7 @@ from typing import Any, TextIO
 import click
 
 from thurston_cl.device import DeviceWarning
-from thurston_cl.errors import Interrupted, SceneError, ThurstonError
+from thurston_cl.errors import Interrupted, OutputError, SceneError, ThurstonError
 
 # One module a command, named after it, with the command in `command`. The help line stands here so that
 # `thurston --help` imports none of them.
@@ -29,6 +30,9 @@ COMMANDS = {
     "scenes": "List the scenes that come with thurston.",
     "devices": "List the OpenCL devices, and whether they work.",
 }
+
+# What the system says where there is no room to write: the disk, the quota or the file is full.
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 EXIT_CODES = """\b
 Exit codes:
@@ -74,7 +78,8 @@ class Thurston(click.Group):
         with _terminate_as_interrupt(), _short_warnings():
             try:
                 result: Any = super().main(args, prog_name, complete_var, standalone_mode=False, **extra)
-                sys.stdout.flush()
+                if sys.stdout is not None:  # it is None where the caller has closed it
+                    sys.stdout.flush()
             except SceneError as error:
                 click.echo(str(error), err=True)
                 sys.exit(error.exit_code)
@@ -88,15 +93,25 @@ class Thurston(click.Group):
                 error.show()
                 sys.exit(error.exit_code)
             except BrokenPipeError:
-                # The reader has left, as in `thurston scenes | head -1`; keep the flush at exit quiet too.
-                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+                # The reader has left, as in `thurston scenes | head -1`.
+                _drop_stdout()
                 sys.exit(1)
             except Exception as error:
+                if isinstance(error, OSError) and error.errno in NO_ROOM:
+                    _drop_stdout()
+                    click.echo(f"thurston: error: cannot write the output: {error.strerror}", err=True)
+                    sys.exit(OutputError.exit_code)
                 click.echo(f"thurston: internal error: {type(error).__name__}: {error}", err=True)
                 click.echo(traceback.format_exc(), err=True, nl=False)
                 sys.exit(1)
         # click hands over the code of `ctx.exit(code)` as the result.
         sys.exit(result if type(result) is int else 0)
+
+
+def _drop_stdout() -> None:
+    """Keep the flush at exit quiet: what stdout could not take goes nowhere."""
+    with contextlib.suppress(OSError):  # a stand-in without a file behind it, as in tests
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 @contextlib.contextmanager

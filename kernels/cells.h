@@ -9,3 +9,17 @@ FN real cell_behind(real cell, mask crossing, int wall, scene_data scene)
     if (crosses.at[lane] && cells.at[lane] < CELLS) cells.at[lane] = scene.next_cell[(int)cells.at[lane] * WALLS + wall];
   return cells.lanes;
 }
+
+// Where light number `light` of those that are not repeated stands, seen from the cells of the lanes; *known where the table
+// has them.
+FN point seen_from_cell(real cell, int light, mask *known, scene_data scene)
+{
+  real_lanes cells = {cell}, place[4];
+  for (int lane = 0; lane < LANES; lane++) {
+    int k = cells.at[lane] < CELLS ? (int)cells.at[lane] : 0;
+    for (int c = 0; c < 4; c++) place[c].at[lane] = scene.seen_from[4 * (light * CELLS + k) + c];
+  }
+  *known = cell < REAL(CELLS);
+  point p = {place[0].lanes, place[1].lanes, place[2].lanes, place[3].lanes};
+  return p;
+}

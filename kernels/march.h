@@ -10,7 +10,7 @@ typedef struct {
 
 // How far beyond a wall a point counts as outside, in units of rounding: without it a point on a wall is sent to and fro.
 #define WALL_SLACK 64
-FN real wall_slack(point p) { return REAL(WALL_SLACK * EPSILON) * (REAL(1) + fabs(p.w)); }
+FN real wall_slack(point p) { return REAL(WALL_SLACK * EPSILON) * coordinate_size(p); }
 
 FN ray new_ray(point p, vector v)
 {
@@ -25,13 +25,14 @@ FN mask outside_cell(point p, scene_data scene);
 FN void teleport(ray *r, scene_data scene);
 FN real wall_time(point p, vector v, scene_data scene);
 #endif
-FN real scene_distance(point p, scene_data scene);
+// A bound of the distance to the scene; directed shapes (paper 12.3) bound it along v alone.
+FN real scene_distance(point p, vector v, scene_data scene);
 
 // One step of every active lane towards `limit`. Lanes outside the cell wait: step 0, then the teleport pass moves them on.
 // A NaN fails every comparison, so such a lane stops and is no hit.
 FN ray march_step(ray r, real limit, scene_data scene)
 {
-  real distance = scene_distance(r.p, scene), threshold = number(scene, HIT_THRESHOLD);
+  real distance = scene_distance(r.p, r.v, scene), threshold = number(scene, HIT_THRESHOLD);
 #ifdef IN_QUOTIENT
   mask inside = NOT(outside_cell(r.p, scene));
 #else

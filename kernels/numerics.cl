@@ -26,19 +26,6 @@ FN void put_4(real4_lanes v, int c, __global scalar *to, int stride)
 }
 #define ARRAYS __global const scalar *in, __global scalar *out, int stride
 
-// Geometries that solve for geodesics define SOLVES and the functions that tell which lanes reached the bound of iterations.
-#ifndef SOLVES
-FN real distance_solved(point p, point q, point p_tail, point q_tail, mask *unsolved)
-{
-  *unsolved = (mask)(0);
-  return distance_between(p, q, p_tail, q_tail);
-}
-FN mask geodesic_solved(point p, point q, point p_tail, point q_tail, int k, direction *u, real *length, mask *unsolved)
-{
-  *unsolved = (mask)(0);
-  return geodesic(p, q, p_tail, q_tail, k, u, length);
-}
-#endif
 FN void put_mask(mask m, int c, __global scalar *to, int stride) { put(SELECT(m, REAL(1), REAL(0)), c, to, stride); }
 
 // base 0-3, direction 4-6, time 7, time_tail 8 -> point 0-3, direction 4-6
@@ -69,13 +56,13 @@ __kernel void numerics_transport(ARRAYS)
 }
 
 // point 0-3, direction 4-6 -> ambient velocity 0-3
-__kernel void numerics_velocity(ARRAYS) { put_4(push(get_4(0, in, stride), get_3(4, in, stride)), 0, out, stride); }
+__kernel void numerics_velocity(ARRAYS) { put_4(velocity(get_4(0, in, stride), get_3(4, in, stride)), 0, out, stride); }
 
 // base 0-3, point 4-7, base_tail 8-11, point_tail 12-15 -> distance 0, reached the bound of iterations 1
 __kernel void numerics_distance(ARRAYS)
 {
   mask unsolved;
-  put(distance_solved(get_4(0, in, stride), get_4(4, in, stride), get_4(8, in, stride), get_4(12, in, stride), &unsolved), 0,
+  put(distance_between(get_4(0, in, stride), get_4(4, in, stride), get_4(8, in, stride), get_4(12, in, stride), &unsolved), 0,
       out, stride);
   put_mask(unsolved, 1, out, stride);
 }
@@ -84,20 +71,17 @@ __kernel void numerics_distance(ARRAYS)
 __kernel void numerics_underestimate(ARRAYS) { put(underestimate(get_4(0, in, stride)), 0, out, stride); }
 
 // base 0-3, point 4-7, base_tail 8-11, point_tail 12-15; the k-th -> direction 0-2, length 3; NaN where there is none; reached
-// the bound of iterations 4
+// the bound of iterations 4; one of a family 5
 __kernel void numerics_geodesic(ARRAYS, int k)
 {
-  direction u;
-  real length;
-  mask unsolved, exists = geodesic_solved(get_4(0, in, stride), get_4(4, in, stride), get_4(8, in, stride),
-                                          get_4(12, in, stride), k, &u, &length, &unsolved);
-  real absent = SELECT(exists, REAL(0), REAL(NAN));
-  u.x += absent;
-  u.y += absent;
-  u.z += absent;
-  put_3(u, 0, out, stride);
-  put(length + absent, 3, out, stride);
-  put_mask(unsolved, 4, out, stride);
+  connection found = connect_points(get_4(0, in, stride), get_4(4, in, stride), get_4(8, in, stride), get_4(12, in, stride), k);
+  real absent = SELECT(found.exists, REAL(0), REAL(NAN));
+  put(found.u.x + absent, 0, out, stride);
+  put(found.u.y + absent, 1, out, stride);
+  put(found.u.z + absent, 2, out, stride);
+  put(found.length + absent, 3, out, stride);
+  put_mask(found.unsolved, 4, out, stride);
+  put_mask(found.exists & found.family, 5, out, stride);
 }
 
 // direction 0-2, time 3, time_tail 4 -> area density 0

@@ -29,6 +29,7 @@
 // The place of a tile in the picture, its width with padding, and the place of the sample in its pixel. Pixels of the padding,
 // from `right` and `bottom` on, are not marched.
 #define TILE int left, int top, int right, int bottom, int width, scalar shift_x, scalar shift_y
+#define SCENE_ARGUMENTS __constant const scalar *numbers, __global const int *next_cell, __global const scalar *seen_from
 #define TILE_ARGUMENTS left, top, right, bottom, width, shift_x, shift_y
 
 FN ray start(lane_int id, scene_data scene, TILE)
@@ -45,10 +46,9 @@ FN ray start(lane_int id, scene_data scene, TILE)
 FN real end_of(ray r, mask out_of_steps) { return SELECT(r.hit, REAL(1), SELECT(out_of_steps, REAL(2), REAL(0))); }
 
 // One work-item marches one packet of LANES neighbouring pixels until the last ray has ended.
-__kernel void trace_packet(__global scalar *records, int stride, TILE, int max_steps, __constant const scalar *numbers,
-                           __global const int *next_cell)
+__kernel void trace_packet(__global scalar *records, int stride, TILE, int max_steps, SCENE_ARGUMENTS)
 {
-  scene_data scene = {numbers, next_cell};
+  scene_data scene = {numbers, next_cell, seen_from};
   size_t packet = get_global_id(0);
   ray r = start((int)packet * LANES + LANE_IDS, scene, TILE_ARGUMENTS);
   for (int i = 0; i < max_steps && ANY(r.active); i++) r = march_step(r, number(scene, FAR), scene);
@@ -68,10 +68,9 @@ __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_s
 
 // One work-item owns `chunk` consecutive pixels; when a quarter of its lanes have ended, it records them and gives those
 // lanes the next pixels. Better where the lengths of rays in a packet differ much.
-__kernel void trace_refill(__global scalar *records, int stride, TILE, int max_steps, __constant const scalar *numbers,
-                           __global const int *next_cell, int chunk)
+__kernel void trace_refill(__global scalar *records, int stride, TILE, int max_steps, SCENE_ARGUMENTS, int chunk)
 {
-  scene_data scene = {numbers, next_cell};
+  scene_data scene = {numbers, next_cell, seen_from};
   int first = (int)get_global_id(0) * chunk, next = first + LANES, end = first + chunk;
   int_lanes id;
   id.lanes = first + LANE_IDS;
@@ -121,9 +120,9 @@ FN void add_to(real v, int channel, int sample, __global scalar *pixels, int str
 }
 
 __kernel void shade(__global const scalar *records, __global scalar *pixels, int stride, int sample, int max_steps,
-                    __constant const scalar *numbers, __global const int *next_cell)
+                    SCENE_ARGUMENTS)
 {
-  scene_data scene = {numbers, next_cell};
+  scene_data scene = {numbers, next_cell, seen_from};
   size_t packet = get_global_id(0);
   real record[12];
   for (int c = 0; c < 12; c++) record[c] = LOAD(packet, records + (size_t)c * stride);
@@ -139,6 +138,7 @@ __kernel void shade(__global const scalar *records, __global scalar *pixels, int
     scene_surface(p, &object, &cell, &gradient, &s.m, scene);
     direction g = pull_covector(p, gradient), u = pull(p, v);
     s.p = p;
+    s.cell = record[RECORD_CELL];
     s.normal = scale_3(g, rsqrt(dot_3(g, g)));
     s.viewer = scale_3(u, -rsqrt(dot_3(u, u)));
     real3_lanes lit = scene_light(s, hit, max_steps, scene, &shadow_steps);

@@ -1,10 +1,12 @@
 // scene_types.h - what the generated part of a scene and the marcher say to each other.
 //
-// All numbers of a scene stand in one constant buffer, so that moving things needs no rebuild. next_cell is the table of
-// cells, row by row: the cell behind each wall (empty unless the scene asks for cell ids).
+// All numbers of a scene stand in one constant buffer, so that moving things needs no rebuild. Tables of cells, empty unless
+// rays keep track of theirs: next_cell has, row by row, the cell behind each wall; seen_from has, for each light that is not
+// repeated, its place as seen from each cell (4 numbers).
 typedef struct {
   __constant const scalar *numbers;
   __global const int *next_cell;
+  __global const scalar *seen_from;
 } scene_data;
 
 // The scene numbers every program has, first in the buffer.
@@ -31,19 +33,41 @@ FN surface complement_of(surface a)
   return a;
 }
 
-// A matrix of the buffer, row by row, applied to a point.
-FN point apply(scene_data scene, int matrix, point p)
+// One row of a matrix of the buffer times a point; the fifth homogeneous coordinate, where there is one, is 1.
+FN real row_times(__constant const scalar *m, point p)
 {
-  __constant const scalar *m = scene.numbers + matrix;
-  point q;
-  q.x = fma(REAL(m[0]), p.x, fma(REAL(m[1]), p.y, fma(REAL(m[2]), p.z, REAL(m[3]) * p.w)));
-  q.y = fma(REAL(m[4]), p.x, fma(REAL(m[5]), p.y, fma(REAL(m[6]), p.z, REAL(m[7]) * p.w)));
-  q.z = fma(REAL(m[8]), p.x, fma(REAL(m[9]), p.y, fma(REAL(m[10]), p.z, REAL(m[11]) * p.w)));
-  q.w = fma(REAL(m[12]), p.x, fma(REAL(m[13]), p.y, fma(REAL(m[14]), p.z, REAL(m[15]) * p.w)));
+#if HOMOGENEOUS == 5
+  return fma(REAL(m[0]), p.x, fma(REAL(m[1]), p.y, fma(REAL(m[2]), p.z, fma(REAL(m[3]), p.w, REAL(m[4])))));
+#else
+  return fma(REAL(m[0]), p.x, fma(REAL(m[1]), p.y, fma(REAL(m[2]), p.z, REAL(m[3]) * p.w)));
+#endif
+}
+
+// An isometry of the buffer, the first four rows of its matrix, applied to a point.
+FN point apply(scene_data scene, int isometry, point p)
+{
+  __constant const scalar *m = scene.numbers + isometry;
+  point q = {row_times(m, p), row_times(m + HOMOGENEOUS, p), row_times(m + 2 * HOMOGENEOUS, p),
+             row_times(m + 3 * HOMOGENEOUS, p)};
+#ifdef FIBRE_GAIN
+  q = with_fibre_gain(p, q, REAL(m[10]), REAL(m[11]), REAL(m[12]), REAL(m[18]));
+#endif
   return q;
 }
 
-// A covector pulled back by a matrix of the buffer: the gradient of f(M p) from the gradient of f.
+// A 4x4 matrix of the buffer applied to a vector: what an isometry makes of the vectors of its geometry.
+FN vector apply_linear(scene_data scene, int matrix, vector v)
+{
+  __constant const scalar *m = scene.numbers + matrix;
+  vector r;
+  r.x = fma(REAL(m[0]), v.x, fma(REAL(m[1]), v.y, fma(REAL(m[2]), v.z, REAL(m[3]) * v.w)));
+  r.y = fma(REAL(m[4]), v.x, fma(REAL(m[5]), v.y, fma(REAL(m[6]), v.z, REAL(m[7]) * v.w)));
+  r.z = fma(REAL(m[8]), v.x, fma(REAL(m[9]), v.y, fma(REAL(m[10]), v.z, REAL(m[11]) * v.w)));
+  r.w = fma(REAL(m[12]), v.x, fma(REAL(m[13]), v.y, fma(REAL(m[14]), v.z, REAL(m[15]) * v.w)));
+  return r;
+}
+
+// A covector pulled back by the same matrix: the gradient of f o isometry from the gradient of f.
 FN covector pull_back(scene_data scene, int matrix, covector g)
 {
   __constant const scalar *m = scene.numbers + matrix;

@@ -22,6 +22,8 @@ CURVATURE = {"e3": 0, "s3": 1, "h3": -1}
 # Machine epsilons of the precisions of `Geometry`, as in kernels/lanes.h.
 EPSILON = {"single": float(np.finfo(np.float32).eps), "double": float(np.finfo(np.float64).eps)}
 
+FLOAT = {"single": np.float32, "double": np.float64}
+
 # A context of its own: mpmath's global precision may be changed by other tests.
 MP = mpmath.MPContext()
 MP.dps = 50
@@ -50,6 +52,11 @@ def inputs(values: Any) -> Exact:
 def rounded(values: Exact) -> Array:
     """Numbers of 50 digits, rounded to binary64."""
     return values.astype(np.float64)
+
+
+def cut(values: Any, precision: str) -> Array:
+    """Values rounded to the precision."""
+    return np.asarray(values, dtype=np.float64).astype(FLOAT[precision]).astype(np.float64)
 
 
 def on_model(geometry: str, xyz: Exact, positive: Sequence[bool] | NDArray[np.bool_] | None = None) -> Exact:

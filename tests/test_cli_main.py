@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -10,6 +11,7 @@ import types
 import warnings
 from collections.abc import Callable
 from importlib.metadata import version
+from pathlib import Path
 
 import click
 import pytest
@@ -176,6 +178,38 @@ def test_signals_unwind(number: signal.Signals) -> None:
     assert child.returncode == 130
     assert out == "cleaned up\n"
     assert err.strip() == "thurston: interrupted"
+
+
+FULL = Path("/dev/full")
+
+
+@pytest.mark.skipif(not FULL.exists(), reason="this system has no device that is always full")
+@pytest.mark.parametrize("lines", [1, 100_000])
+def test_no_room_for_the_answer(lines: int) -> None:
+    body = f'[click.echo("line") for _ in range({lines})]; print("last")'
+    with FULL.open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", STAND_IN.format(body=body)], stdout=full, stderr=subprocess.PIPE, text=True
+        )
+    assert done.returncode == 73
+    assert done.stderr == "thurston: error: cannot write the output: No space left on device\n"
+
+
+def test_other_errors_of_the_system_are_our_mistakes(run: Callable[..., Result]) -> None:
+    result = run(raising(OSError(errno.EINVAL, "no such thing")))
+    assert result.exit_code == 1
+    assert result.stderr.startswith("thurston: internal error: OSError: [Errno 22] no such thing\n")
+
+
+def test_nobody_listens() -> None:
+    """stdout is closed: there is nothing to say it to, and nothing that failed."""
+    done = subprocess.run(
+        [sys.executable, "-c", STAND_IN.format(body='click.echo("line")')],
+        preexec_fn=lambda: os.close(1),
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize("lines", [1, 100_000])

@@ -15,6 +15,7 @@ from golden import (
     MP,
     Array,
     Exact,
+    cut,
     distance,
     exact,
     inverse_translation,
@@ -55,7 +56,7 @@ BODIES = {
     "pull_covector": Body(
         8, 3, "direction u = pull_covector(POINT(0), POINT(4)); OUT(0, u.x); OUT(1, u.y); OUT(2, u.z);"
     ),
-    "crossing_time": Body(1, 1, "OUT(0, crossing_time(IN(0)));"),
+    "crossing_time": Body(1, 1, "OUT(0, crossing_time(IN(0), with_w(first_3(origin()), REAL(0))));"),
 }
 
 
@@ -341,7 +342,7 @@ def test_every_named_seam_is_walked_over() -> None:
         named |= set(
             re.findall(r"^#define (\w+) (?:C\()?[\d.]+\)?$", kernel_text(f"geometry/{part}.h"), re.MULTILINE)
         )
-    assert named - {"CURVATURE"} == set(SEAMS)
+    assert named - {"CURVATURE", "HOMOGENEOUS"} == set(SEAMS)
     assert all(callable(globals()[test]) for test in SEAMS.values())
 
 
@@ -353,7 +354,7 @@ def around(threshold: float) -> Array:
 
 def in_precision(vectors: Array, precision: str) -> Exact:
     """Coordinates (N,3) rounded to the precision, as exact numbers."""
-    return exact(vectors.astype(np.float32 if precision == "single" else np.float64))
+    return exact(cut(vectors, precision))
 
 
 def check_distances(g: Geometry, p: Exact, q: Exact, allowed: Array) -> None:

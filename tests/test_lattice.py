@@ -7,7 +7,8 @@ from scipy.spatial import ConvexHull
 
 from thurston_cl import lattice as tl
 from thurston_cl.errors import ThurstonError
-from thurston_cl.lattice.isometry import CURVATURE, ORIGIN, dot, form, keeps_sheet, on_model, residual
+from thurston_cl.lattice.forms import CURVATURE, ORIGIN, dot, form, keeps_sheet
+from thurston_cl.lattice.isometry import on_model, residual
 
 NAMED = [(geometry, name) for geometry in CURVATURE for name in tl.names(geometry)]
 MANIFOLDS = [pair for pair in NAMED if pair not in (("h3", "ideal-cube"), ("h3", "hyperideal-cube"))]

@@ -37,6 +37,8 @@ def by_matrices(generators: str, domain: str) -> str:
 SHIFT = "[[1, 0, 0, -1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"
 BACK = "[[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"
 
+FIVE = "[[1, 0, 0, 0, 0], [0, 1, 0, 0, 0], [0, 0, 1, 0, 0], [0, 0, 0, 1, -1], [0, 0, 0, 0, 1]]"
+
 MISTAKES = {
     # The scene as a whole
     "empty": Mistake("", "1:1", "the scene is empty", "'geometry:'"),
@@ -51,22 +53,68 @@ MISTAKES = {
     "long name of a geometry": Mistake(
         f"geometry: Hyperbolic\n{BALL}",
         "1:11",
-        "'Hyperbolic' is not one of: e3, s3, h3",
+        "'Hyperbolic' is not one of: e3, s3, h3, s2xe, h2xe, nil, sl2",
         "did you mean 'h3'?",
     ),
     "geometry in capitals": Mistake(
         f"geometry: H3\n{BALL}", "1:11", "'H3' is not one of", "did you mean 'h3'?"
     ),
     "geometry of a later version": Mistake(
-        f"geometry: nil\n{BALL}", "1:11", "'nil' is not rendered yet; available: e3, s3, h3"
+        f"geometry: sol\n{BALL}", "1:11", "'sol' is not rendered yet; available: e3, s3, h3, s2xe"
     ),
     "misspelt geometry of a later version": Mistake(
-        f"geometry: nill\n{BALL}",
+        f"geometry: Solv\n{BALL}",
         "1:11",
-        "'nill' is not one of",
-        "did you mean 'nil'? It is not rendered yet",
+        "'Solv' is not one of",
+        "did you mean 'sol'? It is not rendered yet",
     ),
-    "geometry is no text": Mistake(f"geometry: 3\n{BALL}", "1:11", "expected one of e3, s3, h3; found 3"),
+    "geometry by its group": Mistake(
+        f"geometry: SL(2,R)\n{BALL}", "1:11", "'SL(2,R)' is not one of", "did you mean 'sl2'?"
+    ),
+    "geometry by its other name": Mistake(
+        f"geometry: Heisenberg\n{BALL}", "1:11", "'Heisenberg' is not one of", "did you mean 'nil'?"
+    ),
+    "product by another name": Mistake(
+        f"geometry: H2xR\n{BALL}", "1:11", "'H2xR' is not one of", "did you mean 'h2xe'?"
+    ),
+    "product with a sign": Mistake(
+        f"geometry: S2×E\n{BALL}", "1:11", "'S2×E' is not one of", "did you mean 's2xe'?"
+    ),
+    "no blank after the first colon": Mistake(
+        f"geometry:h3\n{BALL}", "1:10", "a blank is missing after the colon", "write 'geometry: h3'"
+    ),
+    "no blank after any colon": Mistake(
+        "geometry:h3", "1:1", "the scene is not a mapping of keys", "write 'geometry: h3'"
+    ),
+    "no blank after a colon in a block": Mistake(
+        f"{E3}render:\n  samples:4\n  size: [1, 1]\n",
+        "4:11",
+        "a blank is missing after the colon",
+        "write 'samples: 4'",
+    ),
+    "no blank after a colon above a list": Mistake(
+        an_object("ball: {radius: 1}\n    at:[0, 0, 0]\n  - ball: {radius: 1}"),
+        "4:8",
+        "a blank is missing after the colon",
+        "write 'at: [0, 0, 0]'",
+        schema=False,
+    ),
+    "no blank after a colon, and a long value": Mistake(
+        f"title:{'long ' * 9}\n{E3}", "1:7", "a blank is missing after the colon", "write 'title: ...'"
+    ),
+    "no blank after a colon in brackets": Mistake(
+        an_object("{ball: {radius: 1}, at:[0, 0, 0]}"),
+        "3:28",
+        "a blank is missing after the colon",
+        "write 'at: ...'",
+    ),
+    "no blank after a colon, before a number": Mistake(
+        an_object("ball: {radius:1}"), "3:12", "unknown key 'radius:1'", "write 'radius: 1'"
+    ),
+    "no blank after the colon of a shape": Mistake(
+        an_object("ball:0.4"), "3:5", "expected an object, found 'ball:0.4'", "write 'ball: 0.4'"
+    ),
+    "geometry is no text": Mistake(f"geometry: 3\n{BALL}", "1:11", "expected one of e3, s3, h3, s2xe, h2xe"),
     "version": Mistake(
         f"thurston: 2\n{E3}", "1:11", "this program reads version 1 of the scene format; this is 2"
     ),
@@ -129,7 +177,7 @@ MISTAKES = {
     "subtract": Mistake(
         an_object("subtract: []"), "3:5", "unknown key 'subtract'", "did you mean 'difference'?"
     ),
-    "box": Mistake(an_object("box: {size: 1}"), "3:5", "unknown key 'box'", "six half-spaces"),
+    "box": Mistake(an_object("box: {size: 1}"), "3:5", "unknown key 'box'", "three slabs"),
     "place inside the shape": Mistake(
         an_object("ball: {radius: 1, at: [1, 0, 0]}"), "3:23", "unknown key 'at'", "stands beside the shape"
     ),
@@ -179,6 +227,30 @@ MISTAKES = {
     "point on the other sheet, h3": Mistake(
         an_object("{ball: {radius: 1}, at: {model: [0, 0, 0, -1]}}", "h3"), "3:37", "w = √(1 + ", schema=False
     ),
+    "point off the model, s2xe": Mistake(
+        an_object("{ball: {radius: 1}, at: {model: [0, 0, 0, 1]}}", "s2xe"),
+        "3:37",
+        "where x² + y² + z² = 1",
+        schema=False,
+    ),
+    "point off the model, h2xe": Mistake(
+        an_object("{ball: {radius: 1}, at: {model: [1, 0, 1, 0]}}", "h2xe"),
+        "3:37",
+        "where z = √(1 + x² + y²)",
+        schema=False,
+    ),
+    "point on the other sheet, sl2": Mistake(
+        an_object("{ball: {radius: 1}, at: {model: [0, 0, -1, 0]}}", "sl2"),
+        "3:37",
+        "where z = √(1 + x² + y²)",
+        schema=False,
+    ),
+    "point off the model, nil": Mistake(
+        an_object("{ball: {radius: 1}, at: {model: [1, 0, 0, 0]}}", "nil"),
+        "3:37",
+        "where w = 1",
+        schema=False,
+    ),
     "zero direction": Mistake(
         an_object("half-space: {normal: [0, 0, 0]}"),
         "3:26",
@@ -214,10 +286,110 @@ MISTAKES = {
     "half-space as large as s3": Mistake(
         an_object("half-space: {offset: -1.6}", "s3"), "3:26", "is less than π/2; this is -1.6", schema=False
     ),
+    "ball as large as s2xe": Mistake(
+        an_object("ball: {radius: 3.2}", "s2xe"),
+        "3:20",
+        "in s2xe the radius of a ball is less than π; this is 3.2",
+        "meets itself",
+        schema=False,
+    ),
+    "cylinder as large as s2xe": Mistake(
+        an_object("cylinder: {radius: 3.2}", "s2xe"), "3:24", "a cylinder is less than π", schema=False
+    ),
+    "horizontal cylinder as large as s2xe": Mistake(
+        an_object("cylinder: {radius: 1.6, along: [1, 1, 0]}", "s2xe"),
+        "3:24",
+        "the radius of a horizontal cylinder is less than π/2",
+        schema=False,
+    ),
+    "vertical half-space as large as s2xe": Mistake(
+        an_object("half-space: {normal: [1, 0, 0], offset: 1.6}", "s2xe"),
+        "3:45",
+        "in s2xe an offset, to either side, is less than π/2",
+        schema=False,
+    ),
+    "slab as large as s3": Mistake(
+        an_object("slab: {thickness: 3.2}", "s3"),
+        "3:23",
+        "in s3 the thickness of a slab is less than π; this is 3.2",
+        "fills the whole space",
+        schema=False,
+    ),
+    "vertical slab as large as s2xe": Mistake(
+        an_object("slab: {normal: [1, 0, 0], thickness: 3.2}", "s2xe"),
+        "3:42",
+        "the thickness of a slab is less than π",
+        schema=False,
+    ),
+    "slab without a thickness": Mistake(
+        an_object("slab: {normal: [0, 0, 1]}"), "3:11", "a slab needs the key 'thickness'", "thickness: 0.2"
+    ),
+    "plate": Mistake(
+        an_object("plate: {thickness: 1}"), "3:5", "unknown key 'plate'", "did you mean 'slab'?"
+    ),
+    "slanted half-space in nil": Mistake(
+        an_object("half-space: {normal: [1, 0, -2]}", "nil"),
+        "3:26",
+        "in nil the normal of a half-space is along the fibre, [0, 0, 1], or across it, [x, y, 0]",
+        "write [0, 0, -1] or [1, 0, 0]",
+        schema=False,
+    ),
+    "slanted slab in h2xe": Mistake(
+        an_object("slab: {normal: [0, 1, 1], thickness: 1}", "h2xe"),
+        "3:20",
+        "in h2xe the normal of a slab is along the fibre",
+        "write [0, 0, 1] or [0, 1, 0]",
+        schema=False,
+    ),
+    "slanted cylinder in h2xe": Mistake(
+        an_object("cylinder: {radius: 1, along: [0, 1, 1]}", "h2xe"),
+        "3:34",
+        "in h2xe a cylinder is along the fibre, [0, 0, 1], or across it",
+        "write [0, 0, 1] or [0, 1, 0]",
+        schema=False,
+    ),
+    "horizontal cylinder in sl2": Mistake(
+        an_object("cylinder: {radius: 1, along: [1, 0, 0]}", "sl2"),
+        "3:34",
+        "in sl2 a cylinder stands along the fibre",
+        "write [0, 0, 1]",
+        schema=False,
+    ),
+    "crossing where the distance is known": Mistake(
+        an_object("half-space: {crossing: bisection}", "h2xe"),
+        "3:18",
+        "in h2xe the distance to a plane is known",
+        "leave crossing out",
+        schema=False,
+    ),
+    "crossing of a vertical half-space": Mistake(
+        an_object("half-space: {normal: [1, 0, 0], crossing: directed}", "nil"),
+        "3:37",
+        "the distance to a vertical plane is known",
+        "leave crossing out",
+        schema=False,
+    ),
+    "misspelt crossing": Mistake(
+        an_object("half-space: {crossing: bisect}", "nil"), "3:28", "'bisect' is not", "'bisection'?"
+    ),
+    "slanted rotation in nil": Mistake(
+        an_object("{ball: {radius: 1}, rotate: {axis: [1, 1, 1], angle: 180 deg}}", "nil"),
+        "3:40",
+        "in nil the axis of a rotation is along the fibre",
+        "write [0, 0, 1] or [1, 1, 0]",
+        schema=False,
+    ),
+    "quarter turn of a fibre": Mistake(
+        an_object("{ball: {radius: 1}, rotate: [{axis: [1, 1, 0], angle: 90 deg}]}", "sl2"),
+        "3:59",
+        "about a horizontal axis sl2 can be turned by 180 deg only; this is 90 deg",
+        "turn about the fibre: axis: [0, 0, 1]",
+        schema=False,
+    ),
     "horoball in e3": Mistake(
         an_object("horoball: {towards: [0, 0, 1], distance: 0}"),
         "3:5",
-        "no horoballs in e3, only in h3",
+        "horoballs are made in h3, not in e3",
         schema=False,
     ),
     "tile without a manifold": Mistake(
@@ -226,6 +398,51 @@ MISTAKES = {
         "a tile needs a manifold, whose cell it is",
         "manifold: NAME",
         schema=False,
+    ),
+    # Lights
+    "two geodesics in h2xe": Mistake(
+        "geometry: h2xe\n" + BALL + "lights: [point: {at: [0, 0, 1], geodesics: 2}]\n",
+        "3:44",
+        "in h2xe only one geodesic joins two points, not 2",
+        "leave it out",
+        schema=False,
+    ),
+    "no geodesics in nil": Mistake(
+        "geometry: nil\n" + BALL + "lights: [point: {at: [0, 0, 1], geodesics: 0}]\n",
+        "3:44",
+        "geodesics must be at least 1; this is 0",
+    ),
+    "one light without a manifold": Mistake(
+        f"{E3}lights: [point: {{at: [0, 0, 1], repeated: false}}]\n",
+        "3:33",
+        "without a manifold no light is repeated",
+        "leave it out",
+        schema=False,
+    ),
+    "translates of one light": Mistake(
+        f"{H3}manifold: seifert-weber\nlights: [point: {{at: [0, 0, 1], repeated: false, translates: 2}}]\n",
+        "4:50",
+        "a light that is not repeated has no translates",
+        "leave one of the two out",
+        schema=False,
+    ),
+    "yes for true": Mistake(
+        f"{E3}lights: [point: {{at: [0, 0, 1], repeated: yes}}]\n",
+        "3:43",
+        "expected true or false, found 'yes'",
+        "write true",
+    ),
+    "number for true": Mistake(
+        f"{E3}lights: [point: {{at: [0, 0, 1], repeated: 0}}]\n",
+        "3:43",
+        "expected true or false, found 0",
+        "write false",
+    ),
+    "misspelt falloff": Mistake(
+        f"{E3}lights: [point: {{at: [0, 0, 1], falloff: invers}}]\n",
+        "3:42",
+        "'invers' is not one of: area, inverse, constant",
+        "did you mean 'inverse'?",
     ),
     # Camera
     "eye": Mistake(f"{E3}camera: {{eye: [0, 0, 0]}}\n", "3:10", "unknown key 'eye'", "did you mean 'at'?"),
@@ -309,6 +526,27 @@ MISTAKES = {
         f"{E3}background: [1, -1, 0]\n", "3:13", "the components of a color are at least 0"
     ),
     "color is a comment": Mistake(f"{E3}background: #ff0000\n", "3:1", "'background' has no value", "value"),
+    "color as a function": Mistake(
+        f"{E3}background: rgb(255, 128, 3)\n", "3:13", "'rgb(255, 128, 3)' is not a color", 'write "#ff8003"'
+    ),
+    "color as another function": Mistake(
+        f"{E3}background: hsl(120 50% 50%)\n", "3:13", "is not a color", "functions are not read"
+    ),
+    "color function beyond its range": Mistake(
+        f"{E3}background: RGB(256, 0, 0)\n", "3:13", "is not a color", "functions are not read"
+    ),
+    "bands without a color": Mistake(
+        f"{E3}textures: {{a: {{bands: {{colors: []}}}}}}\n", "3:32", "expected at least 1 entry, found 0"
+    ),
+    "bands of half a line": Mistake(
+        f"{E3}textures: {{a: {{bands: {{count: 0.5}}}}}}\n", "3:31", "expected a whole number, found 0.5"
+    ),
+    "bands for a material": Mistake(
+        f"{E3}materials: {{a: {{bands: {{}}}}}}\n", "3:17", "unknown key 'bands'", "'color: {bands: ...}'"
+    ),
+    "stripes": Mistake(
+        f"{E3}textures: {{a: {{stripes: {{}}}}}}\n", "3:16", "unknown key 'stripes'", "did you mean 'bands'?"
+    ),
     "colour": Mistake(
         f"{E3}materials: {{a: {{colour: red}}}}\n", "3:17", "unknown key 'colour'", "did you mean 'color'?"
     ),
@@ -341,6 +579,18 @@ MISTAKES = {
         "there is no material 'gold'",
         "material: {color: gold}",
         schema=False,
+    ),
+    "material with a dollar": Mistake(
+        an_object("{ball: {radius: 1}, material: $materials.gold}") + "materials: {gold: {}}\n",
+        "3:35",
+        "there is no material '$materials.gold'",
+        "write 'material: gold'",
+    ),
+    "misspelt material with a dollar": Mistake(
+        an_object("{ball: {radius: 1}, material: $materials.glod}") + "materials: {gold: {}}\n",
+        "3:35",
+        "there is no material '$materials.glod'",
+        "did you mean 'gold'?",
     ),
     "material without materials": Mistake(
         an_object("{ball: {radius: 1}, material: wood}"),
@@ -559,8 +809,48 @@ MISTAKES = {
         "has the geometry s3",
         schema=False,
     ),
+    "manifold of another geometry, in other letters": Mistake(
+        f"{H3}manifold: Hopf Manifold\n",
+        "3:11",
+        "h3 has no manifold 'Hopf Manifold'",
+        "'Hopf Manifold' has the geometry s2xe",
+        schema=False,
+    ),
+    "vertices of a cell that has none": Mistake(
+        "geometry: s2xe\nmanifold: hopf-manifold\nobjects: [tile: {ball: 1, vertices: 0.1}]\n",
+        "3:27",
+        "the cell of this manifold has no vertices",
+        "leave it out",
+        schema=False,
+    ),
+    "edges of a cell that has none": Mistake(
+        "geometry: s2xe\nmanifold: hopf-manifold\nobjects: [tile: {ball: 1, edges: 0.1}]\n",
+        "3:27",
+        "the cell of this manifold has no edges",
+        "leave it out",
+        schema=False,
+    ),
     "number for a manifold": Mistake(
         f"{H3}manifold: 3\n", "3:11", "expected the name of a manifold, found 3"
+    ),
+    "four rows where five are needed": Mistake(
+        f"geometry: h2xe\n{BALL}manifold: {{generators: [{SHIFT}], domain: [[0, 0, 0, 1, -1]]}}\n",
+        "3:25",
+        "expected a matrix of 5 rows with 5 numbers each, found 4 rows",
+        "isometries of h2xe act on columns [x, y, z, w, 1]",
+        schema=False,
+    ),
+    "wall of four numbers where five are needed": Mistake(
+        f"geometry: sl2\n{BALL}manifold: {{generators: [{FIVE}], domain: [[0, 0, 0, 1]]}}\n",
+        "3:123",
+        "expected 5 numbers [x, y, z, w, 1], found 4",
+        schema=False,
+    ),
+    "five rows where four are needed": Mistake(
+        f"geometry: nil\n{BALL}manifold: {{generators: [{FIVE}], domain: [[0, 0, 1, -1]]}}\n",
+        "3:25",
+        "expected a matrix of 4 rows with 4 numbers each, found 5 rows",
+        schema=False,
     ),
     "no isometry": Mistake(
         by_matrices(
@@ -614,6 +904,15 @@ def test_mistake(name: str, validator: jsonschema.Draft7Validator) -> None:
     assert str(caught.value).startswith(f"scene.yaml:{mistake.at}: error: {found.message}\n")
     assert str(caught.value).endswith("\n1 error in scene.yaml")
     assert validator.is_valid(parse(mistake.text).data) is not mistake.schema
+
+
+def test_a_color_function_without_quotes_says_why_its_commas_are_keys() -> None:
+    with pytest.raises(SceneReport) as caught:
+        load_text(f"{E3}materials: {{a: {{color: rgb(255, 128, 3)}}}}\n")
+    first, *rest = caught.value.diagnostics
+    assert first.message == "'rgb(255' is not a color"
+    assert [found.message for found in rest] == ["unknown key '128'", "unknown key '3)'"]
+    assert all("Put quotes around a text that has commas" in (found.help or "") for found in rest)
 
 
 def test_many_mistakes_are_counted_and_cut() -> None:

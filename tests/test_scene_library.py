@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from thurston_cl import lattice
 from thurston_cl.cli.main import main
 from thurston_cl.errors import MissingFileError
 from thurston_cl.scene import library, load_scene, load_text, reference, scene_schema
+from thurston_cl.scene.context import GEOMETRIES
 
 ROOT = Path(__file__).parent.parent
 SCENES = ROOT / "tests" / "data" / "scenes"
@@ -189,6 +191,20 @@ def test_reference_page_is_up_to_date() -> None:
     page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
     assert reference.BEGIN in page
     assert page == reference.renewed(page), "run: python -m thurston_cl.scene.reference docs/scene.md"
+
+
+def test_every_manifold_stands_in_the_reference_page() -> None:
+    """With its geometry, what it is, and the distance of the nearest wall."""
+    page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")[1:5]] for line in page.split("\n") if line[:3] == "| `"]
+    known = [
+        [f"`{name}`", geometry, found.description, f"{found.inradius:.3f}"]
+        for geometry in GEOMETRIES
+        for name in lattice.names(geometry)
+        for found in [lattice.named(geometry, name)]
+    ]
+    assert [row for row in known if row not in rows] == []
+    assert [row[:2] for row in rows if row[1] in GEOMETRIES and row[:2] not in [r[:2] for r in known]] == []
 
 
 def test_links_of_the_reference_page_lead_somewhere() -> None:

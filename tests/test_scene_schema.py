@@ -4,6 +4,8 @@ import copy
 import json
 import math
 import random
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +16,23 @@ import pytest
 from thurston_cl.errors import SceneError
 from thurston_cl.scene import load_scene, load_text, scene_schema
 from thurston_cl.scene.base import Node
+from thurston_cl.scene.context import FIBRED, GEOMETRIES, HOMOGENEOUS
 from thurston_cl.scene.parse import parse
 from thurston_cl.scene.reference import models_of_scenes
-from thurston_cl.scene.schema import Camera, Color, Material, ModelPoint, Object, Pattern, Scene, Shape, Step
+from thurston_cl.scene.schema import (
+    Bands,
+    Camera,
+    Color,
+    HalfSpace,
+    Material,
+    ModelPoint,
+    Object,
+    Pattern,
+    Scene,
+    Shape,
+    Slab,
+    Step,
+)
 
 SCENES = Path(__file__).parent / "data" / "scenes"
 MINIMAL = "geometry: {geometry}\nobjects: [{{ball: {{radius: 1}}}}]\n"
@@ -72,6 +88,19 @@ def test_colors(written: str, linear: tuple[float, float, float]) -> None:
 def test_angles(written: str, degrees: float) -> None:
     scene = scene_of(f"camera: {{fov: '{written}'}}\n")
     assert math.degrees(scene.camera.fov) == pytest.approx(degrees, rel=1e-14)
+
+
+def test_default_camera_of_a_cell() -> None:
+    """Inside the largest ball of the cell; past the middle of it, or up where it has no sides."""
+    octagon = scene_of("manifold: genus-two\n", "h2xe")
+    assert isinstance(octagon.camera.at, tuple)
+    assert octagon.camera.look.to is None
+    column = scene_of("manifold: hopf-manifold\n", "s2xe")
+    assert isinstance(column.camera.at, tuple)
+    assert column.camera.look.to == (0, 0, pytest.approx(0.67 * column.lattice.inradius))
+    for scene in (octagon, column):
+        assert 0.9 < math.hypot(*scene.camera.at) / scene.lattice.inradius < 1
+    assert scene_of("", "nil").camera.look.to == (0, 0, 0)
 
 
 def test_points() -> None:
@@ -143,6 +172,167 @@ def test_light_counts_follow_geometry_and_manifold() -> None:
     assert (sphere.geodesics, sphere.translates) == (2, "neighbours")
     one = scene_of("manifold: quaternion\nlights: [point: {at: [0.1, 0, 0], translates: cell}]\n", "s3")
     assert one.lights[0].point.translates == 1
+
+
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_geodesics_of_a_light(geometry: str) -> None:
+    light = "lights: [point: {at: [0.1, 0, 0]}]\n"
+    assert scene_of(light, geometry).lights[0].point.geodesics == (2 if geometry in ("s3", "s2xe") else 1)
+    more = "lights: [point: {at: [0.1, 0, 0], geodesics: 9}]\n"
+    if geometry in ("e3", "h3", "h2xe"):
+        with pytest.raises(SceneError, match="only one geodesic joins two points, not 9"):
+            scene_of(more, geometry)
+    else:
+        assert scene_of(more, geometry).lights[0].point.geodesics == 9
+
+
+def test_falloff() -> None:
+    def written(text: str) -> Any:
+        return scene_of(f"lights: [point: {{at: [0.1, 0, 0]{text}}}]\n", "nil").lights[0].point.falloff
+
+    assert written("") == "area"
+    assert [written(f", falloff: {name}") for name in ("area", "inverse", "constant")] == [
+        "area",
+        "inverse",
+        "constant",
+    ]
+
+
+def test_bands() -> None:
+    paint = scene_of("textures: {t: {bands: {count: 3, colors: [white, red]}}}\n").textures["t"].bands
+    assert isinstance(paint, Bands)
+    assert (paint.count, paint.width) == (3, 0.1)
+    assert [color.written for color in paint.colors] == ["white", "red"]
+    assert isinstance(paint.ground, Color)
+
+
+# Points of each model, and a coordinate that takes them off it.
+MODEL_POINTS = {
+    "e3": ([1, 2, 3, 1], 3),
+    "s3": ([0, 0, 0.6, 0.8], 3),
+    "h3": ([0.75, 0, 0, 1.25], 3),
+    "s2xe": ([0.6, 0, 0.8, 7], 2),
+    "h2xe": ([0, 0.75, 1.25, -7], 2),
+    "nil": ([1, 2, 3, 1], 3),
+    "sl2": ([0, 0.75, 1.25, -7], 2),
+}
+
+
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_model_points(geometry: str) -> None:
+    point, index = MODEL_POINTS[geometry]
+
+    def moved(step: float) -> Any:
+        coordinates = [value + (step if k == index else 0) for k, value in enumerate(point)]
+        return scene_of(f"camera: {{at: {{model: {coordinates}}}}}\n", geometry).camera.at
+
+    assert moved(0).model == tuple(point)
+    # What six decimals leave, and what they do not.
+    moved(4e-6)
+    for step in (2e-5, -2e-5):
+        with pytest.raises(SceneError, match="not a point of the geometry"):
+            moved(step)
+
+
+def of_geometry(geometry: str, text: str) -> Any:
+    """The first object of a scene."""
+    return load_text(f"geometry: {geometry}\nobjects: [{text}]\n").objects[0]
+
+
+@pytest.mark.parametrize(
+    ("geometry", "text", "bound"),
+    [
+        ("s3", "ball: {{radius: {0}}}", math.pi),
+        ("s3", "cylinder: {{radius: {0}}}", math.pi / 2),
+        ("s3", "half-space: {{offset: {0}}}", math.pi / 2),
+        ("s3", "half-space: {{normal: [1, 0, 1], offset: -{0}}}", math.pi / 2),
+        ("s3", "slab: {{thickness: {0}}}", math.pi),
+        ("s2xe", "ball: {{radius: {0}}}", math.pi),
+        ("s2xe", "cylinder: {{radius: {0}}}", math.pi),
+        ("s2xe", "cylinder: {{radius: {0}, along: [0, 2, 0]}}", math.pi / 2),
+        ("s2xe", "half-space: {{normal: [1, 1, 0], offset: -{0}}}", math.pi / 2),
+        ("s2xe", "half-space: {{offset: {0}}}", math.inf),
+        ("s2xe", "slab: {{normal: [0, 1, 0], thickness: {0}}}", math.pi),
+        ("s2xe", "slab: {{thickness: {0}}}", math.inf),
+        ("h2xe", "cylinder: {{radius: {0}, along: [0, 2, 0]}}", math.inf),
+        ("nil", "slab: {{normal: [0, 1, 0], thickness: {0}}}", math.inf),
+        ("sl2", "half-space: {{normal: [1, 1, 0], offset: -{0}}}", math.inf),
+    ],
+)
+def test_sizes(geometry: str, text: str, bound: float) -> None:
+    if bound == math.inf:
+        of_geometry(geometry, text.format(100))
+        return
+    of_geometry(geometry, text.format(math.nextafter(bound, 0)))
+    with pytest.raises(SceneError, match="is less than π"):
+        of_geometry(geometry, text.format(bound))
+
+
+@pytest.mark.parametrize("geometry", FIBRED)
+def test_directions_keep_fibres(geometry: str) -> None:
+    for normal in ([0, 0, 1], [0, 0, -2], [1, 0, 0], [-3, 4, 0]):
+        half_space = of_geometry(geometry, f"half-space: {{normal: {normal}}}").shape
+        assert isinstance(half_space, HalfSpace)
+        assert half_space.normal == tuple(normal)
+        assert isinstance(of_geometry(geometry, f"slab: {{normal: {normal}, thickness: 1}}").shape, Slab)
+    for text in ("half-space: {normal: [1e-9, 0, 1]}", "slab: {normal: [1, 0, 1e-9], thickness: 1}"):
+        with pytest.raises(SceneError, match="along the fibre"):
+            of_geometry(geometry, text)
+    of_geometry(geometry, "cylinder: {radius: 1, along: [0, 0, -1]}")
+    horizontal = "cylinder: {radius: 1, along: [1, 1, 0]}"
+    if geometry in ("nil", "sl2"):
+        assert of_geometry(geometry, "half-space: {}").shape.crossing == "directed"
+        assert of_geometry(geometry, "half-space: {crossing: bisection}").shape.crossing == "bisection"
+        with pytest.raises(SceneError, match="stands along the fibre"):
+            of_geometry(geometry, horizontal)
+    else:
+        of_geometry(geometry, horizontal)
+
+
+@pytest.mark.parametrize("geometry", FIBRED)
+def test_turns_keep_fibres(geometry: str) -> None:
+    def turned(axis: str, angle: str) -> None:
+        of_geometry(geometry, f"{{ball: {{radius: 1}}, rotate: {{axis: {axis}, angle: {angle}}}}}")
+
+    turned("[0, 0, -1]", "17 deg")
+    # Rounding is forgiven, and no more.
+    for angle in ("180 deg", "-180 deg", "540 deg", "0.5 turn", "0 deg", "3.14159265358979 rad"):
+        turned("[1, -1, 0]", angle)
+    for angle in ("90 deg", "180.00000001 deg", "3.1416 rad"):
+        with pytest.raises(SceneError, match="by 180 deg only"):
+            turned("[1, -1, 0]", angle)
+    of_geometry("h3", "{ball: {radius: 1}, rotate: {axis: [1, 1, 1], angle: 17 deg}}")
+
+
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_size_of_isometries(geometry: str) -> None:
+    """Only the right number of rows gets as far as being asked whether it is an isometry."""
+
+    def given(n: int) -> str:
+        matrix = [[2.0 * (i == j) for j in range(n)] for i in range(n)]
+        try:
+            scene_of(f"manifold: {{generators: [{matrix}], domain: [{[1.0] * n}]}}\n", geometry)
+        except SceneError as error:
+            return str(error)
+        raise AssertionError
+
+    n = HOMOGENEOUS[geometry]
+    other = 9 - n
+    assert f"expected a matrix of {n} rows with {n} numbers each, found {other} rows" in given(other)
+    assert f"expected {n} numbers" in given(other)
+    assert "expected" not in given(n)
+
+
+def test_loading_needs_no_device() -> None:
+    code = (
+        "import sys\n"
+        "from thurston_cl.scene import load_text\n"
+        f"for geometry in {GEOMETRIES}:\n"
+        "    load_text(f'geometry: {geometry}\\nobjects: [ball: {{radius: 1}}]')\n"
+        "print('pyopencl' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout == "False\n", done.stderr
 
 
 def test_lattices() -> None:

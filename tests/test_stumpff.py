@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from golden import EPSILON, MP, Array, rounded
+from golden import EPSILON, MP, Array, cut, rounded
 from small_kernels import Body, SmallKernels
 from twisted import stumpff
 
@@ -20,7 +20,6 @@ BODY = Body(
     """real s = IN(0), c0, s0 = stumpff(s, &c0);
   OUT(0, c0); OUT(1, s0); OUT(2, stumpff_s1(s, c0, s0)); OUT(3, stumpff_d(s, c0, s0));""",
 )
-FLOAT = {"single": np.float32, "double": np.float64}
 # D is needed of s = T^2 >= 0 only.
 LOWEST = {"C0": -400.0, "S0": -400.0, "S1": -400.0, "D": 0.0}
 HIGHEST = 400.0
@@ -46,7 +45,7 @@ def arguments(precision: str) -> Array:
     near_zeros = np.concatenate([zeros * (1 + e) for e in (-1e-3, -1e-6, 0, 1e-6, 1e-3)])
     positive = np.concatenate([tiny, seam, near_zeros, rng.uniform(0, HIGHEST, 300)])
     values = np.concatenate([[0.0], positive, -positive, rng.uniform(-80, 80, 200)])
-    values = values.astype(FLOAT[precision]).astype(np.float64)
+    values = cut(values, precision)
     return values[(values >= min(LOWEST.values())) & (values <= HIGHEST)]
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import twisted
-from golden import EPSILON, MP, Array, exact, rounded
+from golden import EPSILON, FLOAT, MP, Array, cut, exact, rounded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -21,7 +21,6 @@ from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
 from thurston_cl.program import kernel_text
 
-FLOAT = {"single": np.float32, "double": np.float64}
 LANES = 16
 both_precisions = pytest.mark.parametrize("precision", EPSILON)
 both_geometries = pytest.mark.parametrize("geometry", twisted.ORIGIN)
@@ -31,11 +30,6 @@ AREA_FACTOR = 2.0
 GEODESIC_FACTOR = 4.0
 
 BOTH_SIDES = (-1e-1, -1e-3, -1e-5, -1e-7, -1e-10, -1e-15, 0.0, 1e-15, 1e-10, 1e-7, 1e-5, 1e-3, 1e-1)
-
-
-def cut(values: Any, precision: str) -> Array:
-    """Values rounded to the precision."""
-    return np.asarray(values, dtype=np.float64).astype(FLOAT[precision]).astype(np.float64)
 
 
 def direction(up: float, angle: float = 0.7) -> list[float]:
@@ -498,19 +492,6 @@ def test_velocity_is_the_derivative_of_the_flow(geometry: str, precision: str, o
         want = rounded((moved - base) / step)
         got = g.velocity(rounded(base), u)[0]
         assert np.abs(got - want).max() <= 8 * EPSILON[precision] * (1 + np.abs(rounded(base)).max())
-
-
-@both_precisions
-def test_translations_as_matrices(precision: str, opencl_device: Device) -> None:
-    """Linear in nil; sl2 has none that act on its coordinates, and says so."""
-    g = Geometry("nil", precision, opencl_device, lanes=LANES)
-    rng = np.random.default_rng(6)
-    base, points = (np.append(rng.uniform(-2, 2, (9, 3)), np.ones((9, 1)), axis=1) for _ in range(2))
-    moved = np.einsum("nij,nj->ni", g.translation_matrix(base), points)
-    assert np.abs(moved - g.translate(base, points)).max() <= 16 * EPSILON[precision]
-    sl2 = Geometry("sl2", precision, opencl_device, lanes=LANES)
-    with pytest.raises(ValueError, match="translations of sl2 are no 4x4 matrices"):
-        sl2.translation_matrix(twisted.ORIGIN["sl2"])
 
 
 @both_geometries

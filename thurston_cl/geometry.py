@@ -13,7 +13,7 @@ are in units of the geometry's curvature. Arrays are float64, first axis N, what
 
 import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -115,24 +115,40 @@ class Geometry:
         """A lower bound (N,) of the distance of `point` (N,4) from the origin, cheap enough to march with."""
         return self._run("underestimate", [self._points("point", point)], 1)[:, 0]
 
-    def geodesics(self, point: ArrayLike, count: int, base: ArrayLike | None = None) -> tuple[Array, Array]:
+    @overload
+    def geodesics(
+        self, point: ArrayLike, count: int, base: ArrayLike | None = None, families: Literal[False] = False
+    ) -> tuple[Array, Array]: ...
+
+    @overload
+    def geodesics(
+        self, point: ArrayLike, count: int, base: ArrayLike | None = None, *, families: Literal[True]
+    ) -> tuple[Array, Array, NDArray[np.bool_]]: ...
+
+    def geodesics(
+        self, point: ArrayLike, count: int, base: ArrayLike | None = None, families: bool = False
+    ) -> tuple[Array, Array] | tuple[Array, Array, NDArray[np.bool_]]:
         """The `count` shortest geodesics from `base` (N,4; default the origin) to `point` (N,4).
 
         Returns directions at the base (N,count,3) and lengths (N,count), shortest first, NaN where there are
         fewer: e3 and h3 have one; s3 has two shorter than 2 pi, and each again with every full turn (paper
-        7.5). At an s3 antipode every direction is right; one is returned. h2xe has one; s2xe has as many as
-        s3: those of the sphere, risen to the same end (8.4). nil and sl2 have one, and two more for each full
-        turn that can reach the height (9.4, 10.4), complete and in order up to rounding. Right above or below
-        the base on its fibre, two of each number of turns fuse to a circle of geodesics: the one of them that
-        leaves over +x is returned, to be turned about the fibre by any angle; the fibre itself comes last.
+        7.5). h2xe has one; s2xe has as many as s3: those of the sphere, risen to the same end (8.4). nil and
+        sl2 have one, and two more for each full turn that can reach the height (9.4, 10.4), complete and in
+        order up to rounding. With `families` also flags (N,count): whether a geodesic is one of a whole
+        family, equally long, of which one is returned. Such are, in s3, all to the antipode and those with
+        turns to the base itself, turned in any way (here along z); in s2xe those over the same point of the
+        sphere, with turns, and over antipodes, turned about the line (here over +x); in nil and sl2 those
+        right above or below the base on its fibre, where two of each number of turns fuse to a circle,
+        turned about the fibre (here over +x). The fibre itself comes last there.
         RuntimeWarning where a solve ended at the bound of iterations.
         """
         if count < 1:
             raise ValueError(f"count is {count}; expected at least 1")
         arrays = self._pair_with_tails(point, base)
-        out = np.stack([self._run("geodesic", arrays, 5, k) for k in range(count)], axis=1)
+        out = np.stack([self._run("geodesic", arrays, 6, k) for k in range(count)], axis=1)
         _warn_unsolved("geodesics", out[:, :, 4])
-        return out[:, :, :3], out[:, :, 3]
+        found = out[:, :, :3], out[:, :, 3]
+        return (*found, out[:, :, 5] != 0) if families else found
 
     def area_density(self, direction: ArrayLike, time: ArrayLike) -> Array:
         """Area of the wave front per solid angle (N,) after `time` (N,) along `direction` (N,3); intensity
@@ -154,16 +170,26 @@ class Geometry:
         )
 
     def translation_matrix(self, base: ArrayLike) -> Array:
-        """translation(base) as matrices (N,4,4) that act on points written as columns.
+        """translation(base) as matrices (N,4,4), or (N,5,5) in s2xe, h2xe and sl2, on homogeneous columns.
 
-        Raises ValueError in s2xe, h2xe and sl2, where translations along the line or fibre are not linear in
-        these coordinates.
+        Those are points, [x, y, z, w], with a fifth coordinate 1 where matrices are 5x5: the line or fibre is
+        moved by its last column. In sl2 the fibre coordinate of the image gains an angle besides, which no
+        matrix gives but that determines (`with_fibre_gain` in `sl2.h`).
         """
-        if self.name in ("s2xe", "h2xe", "sl2"):
-            raise ValueError(f"translations of {self.name} are no 4x4 matrices; use translate")
         b = self._points("base", base)
+        if self.name in ("s2xe", "h2xe", "sl2"):
+            return self._translation_over_base(b)
         columns = [self._run("translate", [b, np.broadcast_to(row, b.shape)], 4) for row in np.eye(4)]
         return np.stack(columns, axis=2)
+
+    def _translation_over_base(self, base: Array) -> Array:
+        """The 5x5 matrices: the frame's ambient velocities over the base space, and the point itself."""
+        matrix = np.zeros((len(base), 5, 5))
+        for k, direction in enumerate(np.eye(3)[:2]):
+            matrix[:, :3, k] = self.velocity(base, direction)[:, :3]
+        matrix[:, :3, 2] = base[:, :3]
+        matrix[:, 3, 3], matrix[:, 3, 4], matrix[:, 4, 4] = 1, base[:, 3], 1
+        return matrix
 
     def _rays(
         self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None

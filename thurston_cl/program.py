@@ -24,12 +24,13 @@ if TYPE_CHECKING:
 LANE_WIDTHS = (1, 4, 8, 16, 32, 64)
 LOCAL_SIZE = 16  # PoCL compiles a kernel once per local size, so there is only one
 _TWISTED_PARTS = ("special/two_part.h", "special/stumpff.h", "special/newton.h", "geometry/twisted.h")
-# The kernel files of each geometry, after lanes.h and special/elementary.h.
+# The kernel files of each geometry, after those that all have.
 _GEOMETRY_PARTS = {
     "e3": ("geometry/e3.h", "geometry/isotropic.h"),
     "s3": ("geometry/s3.h", "geometry/isotropic.h"),
     "h3": ("geometry/h3.h", "geometry/isotropic.h"),
     "s2xe": (
+        "special/two_part.h",
         "geometry/factor.h",
         "geometry/s3.h",
         "geometry/isotropic.h",
@@ -37,6 +38,7 @@ _GEOMETRY_PARTS = {
         "geometry/product.h",
     ),
     "h2xe": (
+        "special/two_part.h",
         "geometry/factor.h",
         "geometry/h3.h",
         "geometry/isotropic.h",
@@ -51,7 +53,8 @@ GEOMETRIES = tuple(_GEOMETRY_PARTS)
 
 def geometry_parts(geometry: str) -> tuple[str, ...]:
     """The kernel files that implement the contract of one geometry, in order of pasting."""
-    return ("lanes.h", "special/elementary.h", *_GEOMETRY_PARTS[geometry])
+    common = ("lanes.h", "special/elementary.h", "special/meeting.h", "geometry/connection.h")
+    return (*common, *_GEOMETRY_PARTS[geometry])
 
 
 @functools.cache

@@ -223,6 +223,7 @@ class TileRenderer:
             )
         self._numbers = cl.Buffer(device.context, flags, hostbuf=plan.numbers.astype(self.dtype))
         self._next_cell = cl.Buffer(device.context, flags, hostbuf=np.ascontiguousarray(plan.next_cell))
+        self._seen_from = cl.Buffer(device.context, flags, hostbuf=plan.seen_from.astype(self.dtype))
         self._kernels = {
             name: cl.Kernel(self.program, name) for name in ("trace_packet", "trace_refill", "shade")
         }
@@ -327,7 +328,7 @@ class TileRenderer:
 
         steps = np.int32(self.plan.scene.render.steps)
         kernel = self._kernels[name]
-        kernel.set_args(*arguments, steps, self._numbers, self._next_cell, *last)
+        kernel.set_args(*arguments, steps, self._numbers, self._next_cell, self._seen_from, *last)
         event = cl.enqueue_nd_range_kernel(self.device.queue, kernel, (items,), (group,))
         event.wait()
         self.kernel_seconds += (event.profile.end - event.profile.start) * 1e-9

@@ -20,7 +20,7 @@ FN void chord(point p, point q, point p_tail, point q_tail, real4_lanes *d, real
   *sum = add_scaled_4(q, p, REAL(1));
 }
 
-FN real distance_between(point p, point q, point p_tail, point q_tail)
+FN real separation(point p, point q, point p_tail, point q_tail)
 {
   real4_lanes d, sum;
   chord(p, q, p_tail, q_tail, &d, &sum);
@@ -35,8 +35,10 @@ FN direction towards(point p, point q, point p_tail, point q_tail)
   return first_3(d);
 }
 
-// Time until the wall n is crossed, from the ratio (n . v)/(-n . p): on a straight line n . p + t n . v = 0.
-FN real crossing_time(real ratio) { return SELECT(ratio > REAL(0), REAL(1) / ratio, REAL(INFINITY)); }
+// Time until a wall n is crossed at speed l, from the ratio (n . v)/(-n . p): on a straight line n . p + t n . v = 0.
+FN real meeting_time(real ratio, real l) { return straight_meeting(ratio); }
+
+FN real coordinate_size(point p) { return REAL(1) + fmax(fmax(fabs(p.x), fabs(p.y)), fabs(p.z)); }
 
 // A computed point, put back on the model.
 FN point on_model(point p) { return p; }

@@ -56,7 +56,7 @@ FN real3_lanes moment_of(real3_lanes p, real3_lanes q, real3_lanes d)
 
 // Beyond this product the points are so far apart that acosh does not cancel.
 #define OPPOSITE_ABOVE 2
-FN real distance_between(point p, point q, point p_tail, point q_tail)
+FN real separation(point p, point q, point p_tail, point q_tail)
 {
   real4_lanes d4, sum;
   chord(p, q, p_tail, q_tail, &d4, &sum);
@@ -99,13 +99,10 @@ FN direction towards(point p, point q, point p_tail, point q_tail)
   return select_3(along < REAL(0), opposite_side, same_side);
 }
 
-// cosh t (n . p) + sinh t (n . v) = 0 has a solution only where the ratio exceeds 1.
-FN real crossing_time(real ratio)
-{
-  mask crosses = ratio > REAL(1);
-  real r = SELECT(crosses, ratio, REAL(2));
-  return SELECT(crosses, REAL(C(0.5)) * log((r + REAL(1)) / (r - REAL(1))), REAL(INFINITY));
-}
+// Time until a wall n is crossed at speed l: cosh l t (n . p) + (sinh l t/l) (n . v) = 0.
+FN real meeting_time(real ratio, real l) { return hyperbolic_meeting(ratio, l); }
+
+FN real coordinate_size(point p) { return REAL(1) + p.w; }
 
 // A computed point, put back on the sheet.
 FN point on_model(point p) { return with_w(first_3(p), height(first_3(p))); }

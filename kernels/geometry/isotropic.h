@@ -8,6 +8,7 @@
 // METHOD. No formula splits by regime, and none subtracts nearly equal numbers: directions and differences are formed in the
 // frame at a point, where they have their natural size, and not in ambient coordinates, which are e^distance large in h3.
 // ACCURACY: see e3.h, s3.h and h3.h; measured by tests/test_golden.py against 25-digit values.
+#define HOMOGENEOUS 4
 FN point origin(void) { point o = {REAL(0), REAL(0), REAL(0), REAL(1)}; return o; }
 
 // The geodesic flow: p and the unit vector v at p move on by the arc length t.
@@ -25,6 +26,10 @@ FN vector push(point p, direction u)
   real along = dot_3(first_3(p), u);
   return with_w(add_scaled_3(u, first_3(p), REAL(-CURVATURE) * along * inverse_one_plus_w(p)), REAL(-CURVATURE) * along);
 }
+
+// The ambient velocity of a direction at p; a gradient in ambient coordinates as a covector at p. Vectors are ambient already.
+FN vector velocity(point p, direction u) { return push(p, u); }
+FN covector gradient_of(point p, covector ambient) { return ambient; }
 
 // The direction of a vector tangent at p. With <p, v> = 0 the inverse matrix collapses to this.
 FN direction pull(point p, vector v) { return add_scaled_3(first_3(v), first_3(p), -v.w * inverse_one_plus_w(p)); }
@@ -84,13 +89,18 @@ FN point exponential(direction *u, real t, real tail)
 // Parallel transport of e along the same geodesic, from the frame at o to the frame at its end.
 FN direction transport(direction u, real t, real tail, direction e) { return e; }
 
-// The k-th geodesic from p to q, shortest first: its direction at p and its length. Tails are the low parts of p and q in
-// single precision (zero where there are none), so that differences of nearby points keep their digits.
-// e3, h3: only k = 0. s3: even k the short way, odd k the long way round, each with k/2 full turns; at the antipode every
-// direction is right and e_z is returned.
-FN mask geodesic(point p, point q, point p_tail, point q_tail, int k, direction *u, real *length)
+FN real distance_between(point p, point q, point p_tail, point q_tail, mask *unsolved)
 {
-  real shortest = distance_between(p, q, p_tail, q_tail);
+  *unsolved = (mask)(0);
+  return separation(p, q, p_tail, q_tail);
+}
+
+// The k-th geodesic from p to q, shortest first. e3, h3: only k = 0. s3: even k the short way, odd k the long way round, each
+// with k/2 full turns. To the antipode, and with turns to p itself, every direction is right and e_z is returned.
+FN connection connect_points(point p, point q, point p_tail, point q_tail, int k)
+{
+  connection found;
+  real shortest = separation(p, q, p_tail, q_tail);
   direction to = towards(p, q, p_tail, q_tail);
   // Scaled to size 1 before it is squared: nearby points may be nearer than the root of the smallest number.
   real size = fmax(fmax(fabs(to.x), fabs(to.y)), fabs(to.z));
@@ -99,16 +109,21 @@ FN mask geodesic(point p, point q, point p_tail, point q_tail, int k, direction 
   direction any_direction = {REAL(0), REAL(0), REAL(1)};
   to = select_3(degenerate, any_direction, to);
   to = scale_3(to, REAL(1) / sqrt(dot_3(to, to)));
+  found.unsolved = (mask)(0);
 #if CURVATURE == 1
   int back = k & 1;
-  *u = back ? scale_3(to, REAL(-1)) : to;
-  *length = back ? REAL((k + 1) * C(3.14159265358979324)) - shortest : REAL(k * C(3.14159265358979324)) + shortest;
-  return shortest == shortest;
+  found.u = back ? scale_3(to, REAL(-1)) : to;
+  found.length = back ? REAL((k + 1) * C(3.14159265358979324)) - shortest : REAL(k * C(3.14159265358979324)) + shortest;
+  found.exists = shortest == shortest;
+  // Those lengths are multiples of pi; 0 is none.
+  found.family = degenerate & (found.length > REAL(1));
 #else
-  *u = to;
-  *length = shortest;
-  return (shortest == shortest) & (shortest < REAL(k == 0 ? INFINITY : -1));
+  found.u = to;
+  found.length = shortest;
+  found.exists = (shortest == shortest) & (shortest < REAL(k == 0 ? INFINITY : -1));
+  found.family = found.unsolved;
 #endif
+  return found;
 }
 
 // Area of the wave front from a point at distance t + tail, per solid angle (paper 7.5); light intensity is its inverse.
@@ -118,5 +133,11 @@ FN real area_density(direction u, real t, real tail)
   return s * s;
 }
 
-// A lower bound of the distance from the origin; here the distance itself is cheap.
+// Bounds of the distance from the origin; here the distance itself is cheap.
 FN real underestimate(point p) { return origin_distance(p); }
+FN real overestimate(point p) { return origin_distance(p); }
+
+// Walls are linear forms n on the ambient coordinates; n . p < 0 inside. rate = n . v, height = -n . p.
+FN vector wall_velocity(point p, vector v) { return v; }
+FN real wall_ratio(vector v, real height, real rate, real turning) { return rate / height; }
+FN real crossing_time(real ratio, vector v) { return meeting_time(ratio, REAL(1)); }

@@ -22,7 +22,7 @@
 //   distance and lengths of 7 geodesics                       1.9e-7    4.5e-16   itself
 //   their directions                                          3.3e-7    4.8e-16   1; near a fold EPSILON^(1/2)
 //   area density, off conjugate points (factors > 0.02)       7.7e-6    1.1e-15   itself
-#define SOLVES
+#define HOMOGENEOUS 4
 
 FN point origin(void) { point o = {REAL(0), REAL(0), REAL(0), REAL(1)}; return o; }
 
@@ -40,12 +40,25 @@ FN point untranslate(point p, point q)
   return translate(inverse, q);
 }
 
-// d(translation(p)) applied to a direction.
-FN vector push(point p, direction u)
+// d(translation(p)) applied to a direction; and its transpose applied to a gradient in ambient coordinates.
+FN vector velocity(point p, direction u)
 {
   vector v = {u.x, u.y, u.z + twist(p.x, p.y, u.x, u.y), REAL(0)};
   return v;
 }
+
+FN covector gradient_of(point p, covector g)
+{
+  real bent = REAL(C(0.5)) * g.z;
+  covector r = {fma(-bent, p.y, g.x), fma(bent, p.x, g.y), g.z, REAL(0)};
+  return r;
+}
+
+// Translations keep points on the model, and the direction is normalised here.
+FN point on_model(point p) { return p; }
+FN void reproject(point *p, vector *v) { *v = unit_speed(*v); }
+
+FN real coordinate_size(point p) { return REAL(1) + fmax(fmax(fabs(p.x), fabs(p.y)), fabs(p.z)); }
 
 // The endpoint of the geodesic from 0 with direction *u after arc length t + tail; *u becomes the direction there.
 FN point exponential(direction *u, real t, real tail)
@@ -78,8 +91,6 @@ FN real area_density(direction u, real t, real tail)
 // Added to H before its power -1/2 is taken.
 #define POLE_SHIFT C(0.5)
 #define CUBE_ROOT_HALF C(0.7937005259840998)
-// The start in interval k >= 1 is kept below this part of the distance from the pole to the minimum of H.
-#define START_BELOW C(0.999)
 
 // H - z at distance q from the pole, and its derivative; *size is the sum of the sizes of its terms, for judging rounding.
 FN real excess_height(interval i, real half_rho, real rest, real q, real *slope, real *size)
@@ -93,6 +104,14 @@ FN real excess_height(interval i, real half_rho, real rest, real q, real *slope,
   *slope = fma(i.side, slope_swept, SELECT(poleless, REAL(0), REAL(-2) * at_pole * cosine / sine));
   *size = at_pole + swept + fabs(rest);
   return fma(i.side, swept, at_pole) - rest;
+}
+
+// About the root after a pole, from pole (rho/2)^2/q^2 = rest: never beyond it.
+FN real start_after_pole(real half_rho, real pole, real rest) { return half_rho * sqrt(pole / fmax(rest, REAL(TINY))); }
+
+FN helix circle_on_fibre(real pole, real height, real beyond)
+{
+  return circle_helix(REAL(2) * sqrt(pole * beyond), REAL(2) * pole);
 }
 
 // About the root before a pole, from pole (rho/2)^2/q^2 = rest + 2 q: within a factor of two or so where q is small.
@@ -127,53 +146,27 @@ FN connection connect(real x, real y, real z, real z_low, int index)
   connection found;
   found.unsolved = (mask)(0);
 
-  // Choose the interval and the start.
-  interval i;
-  real start, rest;
+  search s;
   if (index == 0) {
     interval first_quarter = after_pole(0);
     first_quarter.rising = NOT(first_quarter.rising);
-    i = select_interval(z <= REAL(PI_HIGH) * fma(REAL(C(0.5)) * half_rho, half_rho, REAL(1)), first_quarter, before_pole(1));
-    rest = height_beyond(z, z_low, i);
+    s.i = select_interval(z <= REAL(PI_HIGH) * fma(REAL(C(0.5)) * half_rho, half_rho, REAL(1)), first_quarter, before_pole(1));
+    s.rest = height_beyond(z, z_low, s.i);
     real from_zero = z / fma(rho * REAL(C(0.16666666666666667)), rho, REAL(2));
-    start = fmin(SELECT(i.rising, from_zero, start_before_pole(half_rho, i.pole, rest)), REAL(QUARTER_TURN));
-    found.exists = off_fibre;
+    s.start = fmin(SELECT(s.i.rising, from_zero, start_before_pole(half_rho, s.i.pole, s.rest)), REAL(QUARTER_TURN));
+    s.exists = off_fibre;
   } else {
-    int k = (index + 1) / 2;
-    interval left = after_pole(k);
-    real slope, size, left_rest = height_beyond(z, z_low, left);
-    found.exists = off_fibre & (left_rest > REAL(0));
-    real fold = fold_angle(k, REAL(C(0.5)) * power_two_thirds(rho), found.exists, &found.unsolved);
-    found.exists &= excess_height(left, half_rho, left_rest, fold, &slope, &size) <= REAL(0);
-    if (index & 1) {
-      left.high = fold;
-      i = left;
-      rest = left_rest;
-      start = fmin(half_rho * sqrt(left.pole / fmax(left_rest, REAL(TINY))), REAL(START_BELOW) * fold);
-    } else {
-      left.low = fold;
-      left.rising = excess_height(left, half_rho, left_rest, REAL(QUARTER_TURN), &slope, &size) >= REAL(0);
-      i = select_interval(left.rising, left, before_pole(k + 1));
-      rest = height_beyond(z, z_low, i);
-      start = fmin(SELECT(i.rising, REAL(QUARTER_TURN), start_before_pole(half_rho, i.pole, rest)), REAL(QUARTER_TURN));
-    }
+    real cube_root_s = REAL(C(0.5)) * power_two_thirds(rho);
+    s = search_interval(index, half_rho, cube_root_s, REAL(1), z, z_low, off_fibre, &found.unsolved);
   }
-  real q = solve_height(i, half_rho, rest, z + REAL(POLE_SHIFT), start, found.exists, &found.unsolved);
+  found.exists = s.exists;
+  real q = solve_height(s.i, half_rho, s.rest, z + REAL(POLE_SHIFT), s.start, found.exists, &found.unsolved);
 
   // Recover the direction (x + i y) e^{-i T}: e^{-i T} is e^{-+i q} but for the sign of the sine.
-  real cosine, sine = sin_cos(q, &cosine), T = fma(i.side, q, i.pole);
-  real across = SELECT(i.pole > REAL(0), rho * T / sine, rho / sine_over(sine, q));
-  helix h = {across, REAL(2) * T, i.side * cosine, -sine};
-
-  // On the fibre: circles of geodesics over poles below z, then the vertical line.
-  interval next = after_pole(index + 1), last = after_pole(index);
-  real over_pole = height_beyond(z, z_low, next);
-  mask circle = on_fibre & (over_pole > REAL(0)), line = on_fibre & NOT(circle);
-  if (index > 0) line &= height_beyond(z, z_low, last) > REAL(0);
-  real radius = REAL(2) * sqrt(next.pole * fmax(over_pole, REAL(0)));
-  h = select_helix(circle, circle_helix(radius, REAL(2) * next.pole), h);
-  h = select_helix(line, circle_helix(REAL(0), z), h);
-  found.exists |= circle | line;
+  real cosine, sine = sin_cos(q, &cosine), T = fma(s.i.side, q, s.i.pole);
+  real across = SELECT(s.i.pole > REAL(0), rho * T / sine, rho / sine_over(sine, q));
+  helix h = {across, REAL(2) * T, s.i.side * cosine, -sine};
+  h = on_the_fibre(h, index, z, z_low, on_fibre, &found);
   return finish(found, h, e_x, e_y, down);
 }
 
@@ -194,22 +187,6 @@ FN connection connect_points(point p, point q, point p_tail, point q_tail, int i
   return connect(x + x_low, y + y_low, height, height_low, index);
 }
 
-FN real distance_solved(point p, point q, point p_tail, point q_tail, mask *unsolved)
-{
-  connection shortest = connect_points(p, q, p_tail, q_tail, 0);
-  *unsolved = shortest.unsolved;
-  return shortest.length;
-}
-
-FN mask geodesic_solved(point p, point q, point p_tail, point q_tail, int index, direction *u, real *length, mask *unsolved)
-{
-  connection found = connect_points(p, q, p_tail, q_tail, index);
-  *u = found.u;
-  *length = found.length;
-  *unsolved = found.unsolved;
-  return found.exists;
-}
-
 // The distance from 0.
 FN real origin_distance(point p) { return connect(p.x, p.y, p.z, REAL(0), 0).length; }
 
@@ -226,4 +203,30 @@ FN real underestimate(point p)
   real by_lemma = SELECT(z < REAL(STRAIGHT_BELOW), z, SELECT(z < REAL(PARABOLIC_FROM), middle, far));
   real by_circles = sqrt(REAL(2 * PI_HIGH) * fmax(z - REAL(PI_HIGH / 2), REAL(0)));
   return fmax(rho, fmax(by_lemma, by_circles));
+}
+
+// The way round the axis: up along the fibre while going straight out.
+FN real overestimate(point p) { return hypotenuse(hypotenuse(p.x, p.y), p.z); }
+
+// Walls over the plane. With tau = tan(T)/u_z, T = u_z t/2, the geodesic covers (2 tau U + 2 u_z tau^2 i U)/(1 + u_z^2 tau^2) of the
+// plane, U = u_x + i u_y, and comes to the wall where (2 u_z turning - u_z^2 height) tau^2 + 2 rate tau = height.
+FN vector wall_turning(point p, vector v)
+{
+  direction turned = {-v.y, v.x, REAL(0)};
+  return velocity(p, turned);
+}
+FN real wall_ratio(vector v, real height, real rate, real turning)
+{
+  return larger_root(height, rate, v.z * fma(-v.z, height, REAL(2) * turning));
+}
+FN real crossing_time(real ratio, vector v) { return half_angle_time(ratio, v.z * v.z); }
+
+// Before this time z has neither risen by `above` nor fallen by `below` (paper 12.3). z changes at the rate f = u_z + (p x U)/2, and f
+// at u_z (p . U)/2 = u_z m . U/2, where m = p + i U/u_z leads to p from the centre of its circle and keeps its length.
+FN real level_time(point p, vector v, real above, real below)
+{
+  real f = v.z + twist(p.x, p.y, v.x, v.y), f_1 = REAL(C(0.5)) * v.z * fma(p.x, v.x, p.y * v.y);
+  real m_x = fma(v.z, p.x, -v.y), m_y = fma(v.z, p.y, v.x), a_square = fma(v.x, v.x, v.y * v.y);
+  real bend = REAL(C(0.5)) * sqrt(a_square * fma(m_x, m_x, m_y * m_y));
+  return level_time_bound(f, f_1, bend, fabs(v.z) * bend, above, below);
 }

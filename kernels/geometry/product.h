@@ -7,27 +7,36 @@
 // METHOD. Formulas of the factor are those of isotropic.h on its points (x, y, 0, z), renamed by factor.h. A transvection
 // there leaves the third coordinate of a vector alone: the component along the line takes its place. Along a unit direction
 // whose factor part has length l, the factor is crossed by the angle l t, with S(l t)/l = t at l = 0: no case of vertical
-// directions apart. curved_sine_of_sum, transport (the identity, since frames are carried along) and crossing_time (of the
-// factor, in its own arc length) are those of isotropic.h.
+// directions apart. curved_sine_of_sum, transport (the identity, since frames are carried along) and meeting_time are
+// those of isotropic.h.
 // ACCURACY: see s2xe.h and h2xe.h.
+#undef HOMOGENEOUS
 #undef origin
 #undef inner
 #undef flow
 #undef push
 #undef pull
 #undef pull_covector
+#undef velocity
+#undef gradient_of
 #undef translate
 #undef untranslate
 #undef turn_frame
 #undef exponential
 #undef origin_distance
 #undef distance_between
-#undef geodesic
+#undef connect_points
 #undef area_density
 #undef underestimate
+#undef overestimate
+#undef coordinate_size
+#undef wall_velocity
+#undef wall_ratio
+#undef crossing_time
 #undef reproject
 #undef on_model
 
+#define HOMOGENEOUS 5
 FN point origin(void) { point o = {REAL(0), REAL(0), REAL(1), REAL(0)}; return o; }
 
 // The factor's part of a point, as isotropic.h has it; the product's point from it.
@@ -43,6 +52,10 @@ FN point on_model(point p) { return p; }
 FN real inner(point p, vector a, vector b) { return factor_inner(factor(p), swapped(a), swapped(b)); }
 
 FN vector push(point p, direction u) { return swapped(factor_push(frame_point(factor(p)), u)); }
+// The ambient velocity of a direction at p; a gradient in ambient coordinates as a covector at p. Vectors are ambient already.
+FN vector velocity(point p, direction u) { return push(p, u); }
+FN covector gradient_of(point p, covector ambient) { return ambient; }
+
 FN direction pull(point p, vector v) { return factor_pull(frame_point(factor(p)), swapped(v)); }
 FN direction pull_covector(point p, covector g) { return factor_pull_covector(frame_point(factor(p)), swapped(g)); }
 
@@ -87,47 +100,39 @@ FN point exponential(direction *u, real t, real tail)
   return q;
 }
 
-// sqrt(a^2 + b^2); no square leaves the range of the precision.
-FN real hypotenuse(real a, real b)
-{
-  real longer = fmax(fabs(a), fabs(b)), ratio = fmin(fabs(a), fabs(b)) / fmax(longer, REAL(TINY));
-  return longer * sqrt(fma(ratio, ratio, REAL(1)));
-}
-
 FN real origin_distance(point p) { return hypotenuse(factor_origin_distance(factor(p)), p.w); }
 
 // The difference of the line's coordinates, with what single precision cut off them.
 FN real rise_between(point p, point q, point p_tail, point q_tail) { return (q.w - p.w) + (q_tail.w - p_tail.w); }
 
-FN real distance_between(point p, point q, point p_tail, point q_tail)
+FN real distance_between(point p, point q, point p_tail, point q_tail, mask *unsolved)
 {
-  real across = factor_distance_between(factor(p), factor(q), factor(p_tail), factor(q_tail));
+  real across = factor_distance_between(factor(p), factor(q), factor(p_tail), factor(q_tail), unsolved);
   return hypotenuse(across, rise_between(p, q, p_tail, q_tail));
 }
 
 // The k-th geodesic from p to q, shortest first. It covers the k-th of the factor, which isotropic.h gives, while it rises by
 // the difference of w; lengths keep that order, since all rise alike. h2xe: only k = 0. s2xe: even k the short way, odd k
-// the long way round (paper 8.4 with its sign corrected); over one point or over antipodes every direction of S2 is right
-// and e_x is returned. From a point to itself: the line, with length 0.
-FN mask geodesic(point p, point q, point p_tail, point q_tail, int k, direction *u, real *length)
+// the long way round (paper 8.4 with its sign corrected); over one point, with turns, and over antipodes every direction of S2
+// is right and e_x is returned. From a point to itself: the line, with length 0.
+FN connection connect_points(point p, point q, point p_tail, point q_tail, int k)
 {
-  direction ahead;
-  real across;
   // What frame_point moves the start by goes into its tail, so that the difference to q stays.
   point start = factor(p), from = frame_point(start), from_tail = factor(p_tail);
   from_tail.x += start.x - from.x;
   from_tail.y += start.y - from.y;
-  mask exists = factor_geodesic(from, factor(q), from_tail, factor(q_tail), k, &ahead, &across);
+  connection found = factor_connect_points(from, factor(q), from_tail, factor(q_tail), k);
   // Where every direction is right isotropic.h takes its third, which is none of the factor's.
+  direction ahead = found.u;
   ahead.x += ahead.z;
-  real rise = rise_between(p, q, p_tail, q_tail);
-  *length = hypotenuse(across, rise);
-  mask nowhere = NOT(*length > REAL(TINY));
-  real inverse = REAL(1) / SELECT(nowhere, REAL(1), *length);
-  u->x = across * ahead.x * inverse;
-  u->y = across * ahead.y * inverse;
-  u->z = SELECT(nowhere, REAL(1), rise * inverse);
-  return exists;
+  real across = found.length, rise = rise_between(p, q, p_tail, q_tail);
+  found.length = hypotenuse(across, rise);
+  mask nowhere = NOT(found.length > REAL(TINY));
+  real inverse = REAL(1) / SELECT(nowhere, REAL(1), found.length);
+  found.u.x = across * ahead.x * inverse;
+  found.u.y = across * ahead.y * inverse;
+  found.u.z = SELECT(nowhere, REAL(1), rise * inverse);
+  return found;
 }
 
 // Area of the wave front from a point at time t + tail, per solid angle (paper 8.1 with |sin|): t |S(l t)/l|.
@@ -137,8 +142,25 @@ FN real area_density(direction u, real t, real tail)
   return fabs((t + tail) * s);
 }
 
-// A lower bound of the distance from the origin; here the distance itself is cheap.
+// Bounds of the distance from the origin; here the distance itself is cheap.
 FN real underestimate(point p) { return origin_distance(p); }
+FN real overestimate(point p) { return origin_distance(p); }
+
+// The coordinate that rounding of positions scales with, and 1.
+FN real coordinate_size(point p) { return REAL(1) + fmax(fmax(p.z, REAL(1)), fabs(p.w)); }
+
+// Walls over the factor, as in isotropic.h, at the factor's speed; and walls at levels of the line.
+FN vector wall_velocity(point p, vector v) { return v; }
+FN real wall_ratio(vector v, real height, real rate, real turning) { return rate / height; }
+FN real crossing_time(real ratio, vector v) { return meeting_time(ratio, factor_speed(v)); }
+
+// The time until w has risen by `above` or fallen by `below`.
+FN real level_time(point p, vector v, real above, real below)
+{
+  mask level = NOT(fabs(v.w) > REAL(TINY));
+  real left = SELECT(v.w > REAL(0), above, below);
+  return SELECT(level, REAL(INFINITY), left / SELECT(level, REAL(1), fabs(v.w)));
+}
 
 // Rounding of the flow, undone: the factor's point put back on it, the vector made tangent there and of length 1.
 FN void reproject(point *p, vector *v)

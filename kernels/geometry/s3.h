@@ -40,7 +40,7 @@ FN void chord(point p, point q, point p_tail, point q_tail, real4_lanes *d, real
   d->w = SELECT(safe, -dot_3(first_3(*d), first_3(*sum)) / SELECT(safe, sum->w, REAL(1)), d->w);
 }
 
-FN real distance_between(point p, point q, point p_tail, point q_tail)
+FN real separation(point p, point q, point p_tail, point q_tail)
 {
   real4_lanes d, sum;
   chord(p, q, p_tail, q_tail, &d, &sum);
@@ -58,8 +58,10 @@ FN direction towards(point p, point q, point p_tail, point q_tail)
   return add_scaled_3(first_3(d), first_3(p), -along);
 }
 
-// cos t (n . p) + sin t (n . v) = 0: every geodesic meets every wall.
-FN real crossing_time(real ratio) { return arc_tangent_2(REAL(1), ratio); }
+// Time until a wall n is crossed at speed l: cos l t (n . p) + (sin l t/l) (n . v) = 0. Every geodesic meets every wall.
+FN real meeting_time(real ratio, real l) { return circular_meeting(ratio, l); }
+
+FN real coordinate_size(point p) { return REAL(2); }
 
 // A computed point, put back on the sphere, so that rounding does not add up from flow to flow.
 FN point on_model(point p) { return scale_4(p, unit_correction(dot_4(p, p))); }

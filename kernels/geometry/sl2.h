@@ -34,7 +34,7 @@
 //   their directions                                          2.2e-7    4.5e-16   1; near a fold EPSILON^(1/2)
 //   area density, off conjugate points, t < 10                3.6e-6    4.9e-15   itself
 //                                       t = 20 to 100         1.1e-4    1.7e-13   itself
-#define SOLVES
+#define HOMOGENEOUS 5
 
 FN point origin(void) { point o = {REAL(0), REAL(0), REAL(1), REAL(0)}; return o; }
 
@@ -59,14 +59,42 @@ FN point untranslate(point p, point q)
   return translate(inverse, q);
 }
 
-// d(translation(p)) applied to a direction.
-FN vector push(point p, direction u)
+// An isometry whose matrix leads p to q has still to give the fibre coordinate what it gains: twice the angle as in translate, from the
+// row of the matrix that makes z; `sense` is -1 where the fibre is turned over.
+#define FIBRE_GAIN
+FN point with_fibre_gain(point p, point q, real row_x, real row_y, real row_z, real sense)
+{
+  q.w += REAL(2) * arc_tangent_2(sense * fma(row_y, p.x, -row_x * p.y), REAL(1) + row_z + p.z + q.z);
+  return q;
+}
+
+// d(translation(p)) applied to a direction; and its transpose applied to a gradient in ambient coordinates.
+FN vector velocity(point p, direction u)
 {
   real c, s = sin_cos(p.w, &c), x = fma(u.x, c, -u.y * s), y = fma(u.x, s, u.y * c);
   real along = fma(p.x, x, p.y * y), inverse = REAL(1) / (REAL(1) + p.z);
   vector v = {fma(along * inverse, p.x, x), fma(along * inverse, p.y, y), along, fma(fma(p.y, x, -p.x * y), inverse, u.z)};
   return v;
 }
+
+FN covector gradient_of(point p, covector g)
+{
+  real c, s = sin_cos(p.w, &c), inverse = REAL(1) / (REAL(1) + p.z);
+  real along = fma(fma(g.x, p.x, g.y * p.y), inverse, g.z), turn = g.w * inverse;
+  real x = fma(along, p.x, fma(turn, p.y, g.x)), y = fma(along, p.y, fma(-turn, p.x, g.y));
+  covector r = {fma(x, c, y * s), fma(y, c, -x * s), g.w, REAL(0)};
+  return r;
+}
+
+// Translations keep points on the model; isometries that led a ray back do so up to rounding. Rays keep near: no square overflows.
+FN point on_model(point p) { return p; }
+FN void reproject(point *p, vector *v)
+{
+  p->z = sqrt(fma(p->x, p->x, fma(p->y, p->y, REAL(1))));
+  *v = unit_speed(*v);
+}
+
+FN real coordinate_size(point p) { return REAL(1) + fmax(p.z, fabs(p.w)); }
 
 // What the flow and the area density are made of: T in two parts, R^2, s and the Stumpff functions of s.
 typedef struct {
@@ -122,8 +150,6 @@ FN real area_density(direction u, real t, real tail)
 
 // Added to H before its inverse is taken on the branch of the shortest geodesic.
 #define POLE_SHIFT 1
-// The start in interval k >= 1 is kept below this part of the distance from the pole to the minimum of H.
-#define START_BELOW C(0.999)
 // From w/2 = rho + 1 on, psi is more than 3/4 and its complement the better unknown.
 #define COMPLEMENT_ABOVE 1
 
@@ -179,8 +205,8 @@ FN real excess_height(interval i, real sg, real rest, real q, real *slope, real 
   return fma(i.side, fma(REAL(2), q, -angle), at_pole) - rest;
 }
 
-// About the root near a pole, from 2 pole (sqrt(1 + (sg/q)^2) - 1) = rest; 0 for rest <= 0 has to be chosen away.
-FN real far_from_corner(real sg, real pole, real rest)
+// About the root after a pole, from 2 pole (sqrt(1 + (sg/q)^2) - 1) = rest, as also before it away from the corner; not for rest <= 0.
+FN real start_after_pole(real sg, real pole, real rest)
 {
   real a = REAL(C(0.5)) * rest / pole;
   return sg * rsqrt(fmax(a * (a + REAL(2)), REAL(TINY)));
@@ -190,7 +216,13 @@ FN real far_from_corner(real sg, real pole, real rest)
 FN real start_before_pole(real sg, real pole, real rest)
 {
   real corner = power_two_thirds(sg * sqrt(pole));
-  return SELECT(rest > REAL(0), fmin(corner, far_from_corner(sg, pole, rest)), fmax(-rest, corner));
+  return SELECT(rest > REAL(0), fmin(corner, start_after_pole(sg, pole, rest)), fmax(-rest, corner));
+}
+
+FN helix circle_on_fibre(real pole, real height, real beyond)
+{
+  real goal = REAL(C(0.5)) * height;
+  return circle_helix(sqrt(REAL(C(0.5)) * beyond * fma(REAL(3), pole, goal)), goal + pole);
 }
 
 FN real solve_height(interval i, real sg, real rest, real target, real start, mask active, mask *unsolved)
@@ -217,59 +249,34 @@ FN connection connect(real x, real y, real sg, real w, real w_low, int index)
   connection found;
   found.unsolved = (mask)(0);
 
-  // Choose the interval and the start.
-  interval i;
-  real rest, start, target;
+  search s;
+  real target;
   mask low = (mask)(0);
   if (index == 0) {
     low = goal <= fma(REAL(PI_HIGH), ch, REAL(-QUARTER_TURN));
-    i = before_pole(1);
-    rest = REAL(C(0.5)) * height_beyond(w, w_low, i);
+    s.i = before_pole(1);
+    s.rest = REAL(C(0.5)) * height_beyond(w, w_low, s.i);
+    s.start = fmin(start_before_pole(sg, s.i.pole, s.rest), REAL(QUARTER_TURN));
+    s.exists = off_fibre;
     target = goal + REAL(POLE_SHIFT);
-    start = fmin(start_before_pole(sg, i.pole, rest), REAL(QUARTER_TURN));
-    found.exists = off_fibre;
   } else {
-    int k = (index + 1) / 2;
-    interval left = after_pole(k);
-    real slope, size, left_rest = REAL(C(0.5)) * height_beyond(w, w_low, left);
-    found.exists = off_fibre & (left_rest > REAL(0));
-    real fold = fold_angle(k, power_two_thirds(sg), found.exists, &found.unsolved);
-    found.exists &= excess_height(left, sg, left_rest, fold, &slope, &size) <= REAL(0);
-    target = goal + left.pole + REAL(PI_HIGH);
-    if (index & 1) {
-      left.high = fold;
-      i = left;
-      rest = left_rest;
-      start = fmin(far_from_corner(sg, i.pole, rest), REAL(START_BELOW) * fold);
-    } else {
-      left.low = fold;
-      left.rising = excess_height(left, sg, left_rest, REAL(QUARTER_TURN), &slope, &size) >= REAL(0);
-      i = select_interval(left.rising, left, before_pole(k + 1));
-      rest = REAL(C(0.5)) * height_beyond(w, w_low, i);
-      start = fmin(SELECT(i.rising, REAL(QUARTER_TURN), start_before_pole(sg, i.pole, rest)), REAL(QUARTER_TURN));
-    }
+    s = search_interval(index, sg, power_two_thirds(sg), REAL(C(0.5)), w, w_low, off_fibre, &found.unsolved);
+    target = goal + REAL((index + 1) / 2 * (scalar)PI_HIGH) + REAL(PI_HIGH);
   }
-  real q = solve_height(i, sg, rest, target, start, found.exists & NOT(low), &found.unsolved);
+  found.exists = s.exists;
+  real q = solve_height(s.i, sg, s.rest, target, s.start, found.exists & NOT(low), &found.unsolved);
 
   // Recover the direction (x + i y) e^{i psi}, where e^{i psi} is that of the angle at the pole but for the sign of the sine.
-  real c, s = sin_cos(q, &c), sine = hypotenuse(sg, s), angle = arc_tangent_2(sine, c);
-  helix h = {REAL(2) * sg * fma(i.side, q, i.pole) / s, goal + fma(i.side, angle, i.pole), i.side * c / ch, sine / ch};
+  real cosine, sine = sin_cos(q, &cosine), wide = hypotenuse(sg, sine), angle = arc_tangent_2(wide, cosine);
+  helix h = {REAL(2) * sg * fma(s.i.side, q, s.i.pole) / sine, goal + fma(s.i.side, angle, s.i.pole), s.i.side * cosine / ch,
+             wide / ch};
   if (index == 0) {
     mask complement = goal > fma(REAL(2), area_sinh(sg), REAL(COMPLEMENT_ABOVE));
     low_turn t = low_turn_at(solve_low_turn(sg, ch, goal, complement, off_fibre & low, &found.unsolved), ch, complement);
     helix below = {REAL(2) * sg / t.s0, goal + t.psi, t.cosine, t.sine};
     h = select_helix(low, below, h);
   }
-
-  // On the fibre: circles of geodesics over poles below w/2, then the vertical line.
-  interval next = after_pole(index + 1), last = after_pole(index);
-  real over_pole = REAL(C(0.5)) * height_beyond(w, w_low, next);
-  mask circle = on_fibre & (over_pole > REAL(0)), line = on_fibre & NOT(circle);
-  if (index > 0) line &= height_beyond(w, w_low, last) > REAL(0);
-  real radius = sqrt(fmax(over_pole, REAL(0)) * fma(REAL(3), next.pole, goal));
-  h = select_helix(circle, circle_helix(radius, goal + next.pole), h);
-  h = select_helix(line, circle_helix(REAL(0), w), h);
-  found.exists |= circle | line;
+  h = on_the_fibre(h, index, w, w_low, on_fibre, &found);
   return finish(found, h, e_x, e_y, down);
 }
 
@@ -310,23 +317,9 @@ FN connection connect_points(point p, point q, point p_tail, point q_tail, int i
   real gain = REAL(2) * arc_tangent_2(fma(p.x, d_y, -p.y * d_x), REAL(2) + total + REAL(2) * sg * sg);
   w = two_sum(w, gain, &sum_low);
   low += sum_low + (q_tail.w - p_tail.w);
+  // Where the sum cancels, the tails are all that is left.
+  w = two_sum(w, low, &low);
   return connect(fma(x, c, y * s), fma(y, c, -x * s), sg, w, low, index);
-}
-
-FN real distance_solved(point p, point q, point p_tail, point q_tail, mask *unsolved)
-{
-  connection shortest = connect_points(p, q, p_tail, q_tail, 0);
-  *unsolved = shortest.unsolved;
-  return shortest.length;
-}
-
-FN mask geodesic_solved(point p, point q, point p_tail, point q_tail, int index, direction *u, real *length, mask *unsolved)
-{
-  connection found = connect_points(p, q, p_tail, q_tail, index);
-  *u = found.u;
-  *length = found.length;
-  *unsolved = found.unsolved;
-  return found.exists;
 }
 
 // sinh(rho/2) of a point.
@@ -348,4 +341,40 @@ FN real underestimate(point p)
   real rho = REAL(2) * area_sinh(half_sine(p)), Y = hypotenuse(rho, p.w);
   real e = exp(REAL(C(-0.5)) * (Y + rho)), slope = (REAL(1) - e) / (REAL(1) + e);
   return fmax(rho, Y * rsqrt(fma(slope, slope, REAL(1))));
+}
+
+// The way at constant theta: up along the fibre while going straight out.
+FN real overestimate(point p) { return hypotenuse(REAL(2) * area_sinh(half_sine(p)), p.w); }
+
+// Walls over H2. With tau = (t/2) S0/C0, k = sqrt(u_w^2 - a^2), tau = tan(k t/2)/k, and the frame at p turned by its fibre coordinate,
+// the geodesic comes to tau/(1 + (k tau)^2) times 2 U - 2 i u_w tau U over H2, at z = 1 + 2 a^2 tau^2/(1 + (k tau)^2): at the wall,
+// (2 u_w turning - height) tau^2 + 2 rate tau = height.
+FN vector wall_turning(point p, vector v)
+{
+  direction turned = {v.y, -v.x, REAL(0)};
+  return velocity(p, turned);
+}
+FN real wall_ratio(vector v, real height, real rate, real turning)
+{
+  return larger_root(height, rate, fma(REAL(2) * v.z, turning, -height));
+}
+FN real crossing_time(real ratio, vector v)
+{
+  real a = sqrt(fma(v.x, v.x, v.y * v.y)), c = fabs(v.z);
+  return half_angle_time(ratio, (c - a) * (c + a));
+}
+
+// The maximum of T (1 - T^2), 2/sqrt 27.
+#define MOST_BEND C(0.3849001794597505)
+// Before this time w has neither risen by `above` nor fallen by `below` (paper 12.3). With T = tanh(rho/2), U = (h_rho, h_theta) of
+// length a and the momentum j = (u_w + T h_theta)/(1 - T^2), which stays, w changes at the rate f = u_w - T h_theta, and f at
+//   f_1 = T h_rho (u_w + T h_theta) = j T (1 - T^2) h_rho,   which is at most a (|u_w| + a/2) and |j| a 2/sqrt 27;
+// the rate of f_1, (u_w + T h_theta) (a^2 - u_w^2 + (u_w + T h_theta)^2 - 3 (T h_rho)^2)/2, is at most a (a + |u_w|)^2.
+FN real level_time(point p, vector v, real above, real below)
+{
+  vector ambient = velocity(p, first_3(v));
+  real f = ambient.w, turning = fma(REAL(2), v.z, -f), f_1 = ambient.z / (REAL(1) + p.z) * turning;
+  real a = sqrt(fma(v.x, v.x, v.y * v.y)), c = fabs(v.z), j = REAL(C(0.5)) * fabs(turning) * (REAL(1) + p.z);
+  real bend = a * fmin(fma(REAL(C(0.5)), a, c), REAL(MOST_BEND) * j);
+  return level_time_bound(f, f_1, bend, a * (a + c) * (a + c), above, below);
 }

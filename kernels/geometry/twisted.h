@@ -1,4 +1,5 @@
-// twisted.h - what nil and sl2 share: the list of geodesics from the origin o to a point, and the frames they are given in.
+// twisted.h - what nil and sl2 share: the list of geodesics from the origin o to a point, the frames they are given in, and how
+// rays come to walls over the plane and to levels of the fibre.
 //
 // Both fibre over a plane, with rotations about the fibre through o. Geodesics from o to a point at distance rho from that
 // fibre and height h >= 0 along it are the roots of an equation H(x) = h, in nil for half the angle x that the geodesic turns
@@ -24,14 +25,6 @@
 #else
 #define AXIS_RATIO 1e-19f
 #endif
-
-// One geodesic from o.
-typedef struct {
-  direction u;
-  real length;
-  mask exists;
-  mask unsolved;  // the solver reached NEWTON_BOUND
-} connection;
 
 // Where a root is looked for: at pole + side q with q in (low, high), so near to one of the poles k pi that q has all digits;
 // the pole in two parts. H rises with q where `rising`: beyond its minimum, seen from the pole before it.
@@ -123,6 +116,62 @@ FN real fold_angle(int k, real cube_root_s, mask active, mask *unsolved)
   return n.at;
 }
 
+// What nil.h and sl2.h say of their H. `across` measures rho: half of it in nil, sinh(rho/2) in sl2. H less the rest of the height
+// at distance q from a pole, and its derivative, and the sum of the sizes of its terms; where to start on both sides of a pole; the
+// circle on the fibre that turns by twice the pole, to a height beyond that.
+FN real excess_height(interval i, real across, real rest, real q, real *slope, real *size);
+FN real start_after_pole(real across, real pole, real rest);
+FN real start_before_pole(real across, real pole, real rest);
+FN helix circle_on_fibre(real pole, real height, real beyond);
+
+// Where a root is looked for, what is left of the height there, from where, and in which lanes there is one.
+typedef struct {
+  interval i;
+  real rest, start;
+  mask exists;
+} search;
+
+// The start in interval k >= 1 is kept below this part of the distance from the pole to the minimum of H.
+#define START_BELOW C(0.999)
+// For the index-th geodesic, index >= 1. H is the height times `unit`.
+FN search search_interval(int index, real across, real cube_root_s, real unit, real height, real low, mask off_fibre, mask *unsolved)
+{
+  int k = (index + 1) / 2;
+  interval left = after_pole(k);
+  search found;
+  real slope, size;
+  found.rest = unit * height_beyond(height, low, left);
+  found.exists = off_fibre & (found.rest > REAL(0));
+  real fold = fold_angle(k, cube_root_s, found.exists, unsolved);
+  found.exists &= excess_height(left, across, found.rest, fold, &slope, &size) <= REAL(0);
+  if (index & 1) {
+    left.high = fold;
+    found.i = left;
+    found.start = fmin(start_after_pole(across, left.pole, found.rest), REAL(START_BELOW) * fold);
+  } else {
+    left.low = fold;
+    left.rising = excess_height(left, across, found.rest, REAL(QUARTER_TURN), &slope, &size) >= REAL(0);
+    found.i = select_interval(left.rising, left, before_pole(k + 1));
+    found.rest = unit * height_beyond(height, low, found.i);
+    real from_pole = start_before_pole(across, found.i.pole, found.rest);
+    found.start = fmin(SELECT(left.rising, REAL(QUARTER_TURN), from_pole), REAL(QUARTER_TURN));
+  }
+  return found;
+}
+
+// On the fibre: circles of geodesics over poles below the height, then the vertical line; `off` in the other lanes.
+FN helix on_the_fibre(helix off, int index, real height, real low, mask on_fibre, connection *found)
+{
+  interval next = after_pole(index + 1), last = after_pole(index);
+  real beyond = height_beyond(height, low, next);
+  mask circle = on_fibre & (beyond > REAL(0)), line = on_fibre & NOT(circle);
+  if (index > 0) line &= height_beyond(height, low, last) > REAL(0);
+  found->exists |= circle | line;
+  found->family = circle;
+  helix h = select_helix(circle, circle_on_fibre(next.pole, height, fmax(beyond, REAL(0))), off);
+  return select_helix(line, circle_helix(REAL(0), height), h);
+}
+
 // The unit direction from o over the base point (x, y), and |(x, y)|; e_x and 0 over o and where 1/|(x, y)| overflows.
 FN real base_direction(real x, real y, real *e_x, real *e_y)
 {
@@ -165,8 +214,84 @@ FN real sin_cos_of_sum(real angle, real low, real *cosine)
   return fma(c, low, s);
 }
 
-// A computed point, put back on the model: translations do so already.
-FN point on_model(point p) { return p; }
-
 // Frames are carried by left translation everywhere, so a translation does not turn them.
 FN direction turn_frame(point base, point reached, direction u) { return u; }
+
+// Vectors and covectors are components in the left-invariant frame, which left translations keep.
+FN vector push(point p, direction u) { return with_w(u, REAL(0)); }
+FN direction pull(point p, vector v) { return first_3(v); }
+FN direction pull_covector(point p, covector g) { return first_3(g); }
+FN real inner(point p, vector a, vector b) { return dot_3(first_3(a), first_3(b)); }
+
+// The distance has to be solved for; walls are crossed on circles, whose turning counts.
+#define COSTLY_DISTANCE
+#define WALL_TURNING
+
+// What nil.h and sl2.h give.
+FN point translate(point p, point q);
+FN point exponential(direction *u, real t, real tail);
+FN connection connect_points(point p, point q, point p_tail, point q_tail, int index);
+FN vector velocity(point p, direction u);
+
+FN real distance_between(point p, point q, point p_tail, point q_tail, mask *unsolved)
+{
+  connection shortest = connect_points(p, q, p_tail, q_tail, 0);
+  *unsolved = shortest.unsolved;
+  return shortest.length;
+}
+
+// The geodesic flow: p and the unit vector v at p move on by the arc length t.
+FN void flow(point *p, vector *v, real t)
+{
+  direction u = first_3(*v);
+  point reached = exponential(&u, t, REAL(0));
+  *p = translate(*p, reached);
+  *v = with_w(u, REAL(0));
+}
+
+FN vector unit_speed(vector v) { return scale_4(v, unit_correction(dot_3(first_3(v), first_3(v)))); }
+
+FN vector wall_velocity(point p, vector v) { return velocity(p, first_3(v)); }
+
+// The larger root r of height r^2 - 2 rate r = A, -INFINITY where there is none; height > 0. A wall over the base is crossed where
+// r = k cot(k t/2) (nil.h, sl2.h), which falls with t.
+FN real larger_root(real height, real rate, real A)
+{
+  real square = fma(rate, rate, A * height), root = sqrt(fmax(square, REAL(0)));
+  real r = SELECT(rate < REAL(0), A, rate + root) / SELECT(rate < REAL(0), root - rate, height);
+  return SELECT(square < REAL(0), REAL(-INFINITY), r);
+}
+
+// The time from that ratio, where k^2 is of either sign.
+FN real half_angle_time(real ratio, real k_square)
+{
+  mask circular = k_square > REAL(0);
+  real k = sqrt(fabs(k_square));
+  real t = SELECT(circular, circular_meeting(ratio, k), hyperbolic_meeting(ratio, k));
+  return SELECT(ratio > REAL(-INFINITY), REAL(2) * t, REAL(INFINITY));
+}
+
+// The least t > 0 with f t + f_1 t^2/2 = h > 0, or never.
+FN real parabola_time(real f, real f_1, real h)
+{
+  real rate = f / h, curve = f_1 / h, square = fma(rate, rate, REAL(2) * curve), root = sqrt(fmax(square, REAL(0)));
+  mask falls = rate < REAL(0), never = (square < REAL(0)) | (falls & NOT(curve > REAL(0)));
+  return SELECT(never, REAL(INFINITY), SELECT(falls, root - rate, REAL(2)) / SELECT(falls, curve, rate + root));
+}
+
+// How far a second bound looks, in units of the first: it gains most where that one is 2/3 of the truth, as near a turning point.
+#define LOOK_AHEAD C(1.5)
+// A lower bound of the time until a coordinate has risen by h > 0, from its rate f, the rate f_1 of that, and the most that f_1 and
+// its rate become later: f_1 <= bend; and f_1 + jerk t, by which the height at t <= T is at most f t + (f_1 + jerk T/3) t^2/2.
+FN real rise_time(real f, real f_1, real bend, real jerk, real h)
+{
+  real near = parabola_time(f, bend, h), ahead = REAL(LOOK_AHEAD) * near;
+  real later = parabola_time(f, fmin(bend, fma(jerk * REAL(C(0.3333333333333333)), ahead, f_1)), h);
+  return fmax(near, fmin(ahead, later));
+}
+
+// Up or down, whichever comes first.
+FN real level_time_bound(real f, real f_1, real bend, real jerk, real above, real below)
+{
+  return fmin(rise_time(f, f_1, bend, jerk, above), rise_time(-f, -f_1, bend, jerk, below));
+}

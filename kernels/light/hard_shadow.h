@@ -8,11 +8,10 @@ FN mask hard_shadow(shading s, arrival a, point light, int k, int max_steps, sce
   ray r = new_ray(s.p, push(s.p, s.normal));
   flow(&r.p, &r.v, number(scene, HIT_THRESHOLD) * REAL(SHADOW_LIFT));
   point exact = {REAL(0), REAL(0), REAL(0), REAL(0)};
-  direction towards_light;
-  real length;
-  r.active = a.lit & geodesic(r.p, light, exact, exact, k, &towards_light, &length);
-  r.v = push(r.p, towards_light);
-  for (int i = 0; i < max_steps && ANY(r.active); i++) r = march_step(r, length, scene);
+  connection c = connect_points(r.p, light, exact, exact, k);
+  r.active = a.lit & c.exists;
+  r.v = push(r.p, c.u);
+  for (int i = 0; i < max_steps && ANY(r.active); i++) r = march_step(r, c.length, scene);
   *shadow_steps += r.steps;
   return r.hit;
 }

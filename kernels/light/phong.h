@@ -1,6 +1,7 @@
 // phong.h - Phong's reflection model (paper 5.1, eq. 5.2), in the frame at the surface point.
 typedef struct {
   point p;          // the surface point
+  real cell;        // the cell it is seen in
   direction normal; // unit, outwards
   direction viewer; // unit, where the ray came from
   material m;

@@ -1,21 +1,23 @@
-"""Discrete groups, fundamental domains and named manifolds of e3, s3 and h3.
+"""Discrete groups, fundamental domains and named manifolds of seven geometries: all but sol.
 
     lattice = named("h3", "seifert-weber")
     inside, elements, ok = lattice.teleport(points)
 
-Names are listed by `names(geometry)`; the docstrings of `thurston_cl.lattice.e3`, `.s3`, `.h3` define them.
+Names are listed by `names(geometry)`; the docstrings of `thurston_cl.lattice.e3`, `.s3`, `.h3`, `.s2xe`,
+`.h2xe`, `.nil`, `.sl2` define them.
 """
 
 import difflib
 import unicodedata
 from functools import cache
 
-from thurston_cl.lattice import e3, h3, s3
+from thurston_cl.lattice import e3, h2xe, h3, nil, s2xe, s3, sl2
 from thurston_cl.lattice.cycles import EdgeCycle, edge_cycles, presentation
 from thurston_cl.lattice.dirichlet import dirichlet
 from thurston_cl.lattice.domain import Lattice, edges, vertices
+from thurston_cl.lattice.error import LatticeError
 from thurston_cl.lattice.given import from_matrices
-from thurston_cl.lattice.isometry import LatticeError, curvature, inverse
+from thurston_cl.lattice.isometry import check_geometry, inverse
 from thurston_cl.lattice.orbit import cell_table, elements, neighbours, paths
 from thurston_cl.lattice.polyhedron import Edge, Vertex
 
@@ -40,13 +42,14 @@ __all__ = [
     "vertices",
 ]
 
-_MANIFOLDS = {"e3": e3.MANIFOLDS, "s3": s3.MANIFOLDS, "h3": h3.MANIFOLDS}
-_ALIASES = {"e3": e3.ALIASES, "s3": s3.ALIASES, "h3": h3.ALIASES}
+_MODULES = {"e3": e3, "s3": s3, "h3": h3, "s2xe": s2xe, "h2xe": h2xe, "nil": nil, "sl2": sl2}
+_MANIFOLDS = {geometry: module.MANIFOLDS for geometry, module in _MODULES.items()}
+_ALIASES = {geometry: module.ALIASES for geometry, module in _MODULES.items()}
 
 
 def names(geometry: str) -> list[str]:
     """Names of the manifolds and orbifolds of a geometry, without their aliases."""
-    curvature(geometry)
+    check_geometry(geometry)
     return list(_MANIFOLDS[geometry])
 
 
@@ -56,7 +59,7 @@ def named(geometry: str, name: str) -> Lattice:
 
     Raises LatticeError (a ValueError) that lists the names and guesses what was meant.
     """
-    curvature(geometry)
+    check_geometry(geometry)
     plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode().strip().lower()
     plain = plain.replace(" ", "-").replace("_", "-")
     known, aliases = _MANIFOLDS[geometry], _ALIASES[geometry]

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from thurston_cl.lattice.domain import Lattice
-from thurston_cl.lattice.isometry import Array, LatticeError
+from thurston_cl.lattice.error import LatticeError
+from thurston_cl.lattice.forms import Array
+from thurston_cl.lattice.polyhedral import Polyhedral
 from thurston_cl.lattice.polyhedron import Edge
 
 # Ends of glued edges agree to this (vectors scaled to length 1 in R^4); distinct vertices are farther apart.
@@ -44,8 +46,9 @@ def edge_cycles(lattice: Lattice) -> list[EdgeCycle]:
 
     An edge that a map turns around is passed once in each sense. Raises LatticeError when a map does not
     carry the edges of its wall to edges of the partner, or when edges are not in the chart (a domain of s3
-    that reaches w = 0).
+    that reaches w = 0), and for a prism, whose maps need not pair its faces.
     """
+    lattice = _polyhedral(lattice)
     edges = lattice.polyhedron.edges
     if lattice.geometry == "s3" and (not edges or any("open" in edge.kinds for edge in edges)):
         raise LatticeError(f"the domain of '{lattice.name}' reaches the equator w = 0 of s3", "domain")
@@ -79,6 +82,14 @@ def edge_cycles(lattice: Lattice) -> list[EdgeCycle]:
     return cycles
 
 
+def _polyhedral(lattice: Lattice) -> Polyhedral:
+    if not isinstance(lattice, Polyhedral):
+        raise LatticeError(
+            f"the domain of '{lattice.name}' is a prism, not given by a pairing of faces", "domain"
+        )
+    return lattice
+
+
 def _image(lattice: Lattice, edges: list[Edge], edge: int, face: int, partner: int) -> tuple[int, bool]:
     """The edge that the face's map carries an edge to, and whether the ends are exchanged."""
     ends = [_direction(lattice.maps[face] @ end) for end in edges[edge].ends]
@@ -110,6 +121,7 @@ def presentation(lattice: Lattice) -> tuple[Array, list[Word]]:
     the matrix product g1 inverse(g2) g1 is the identity. Raises LatticeError as `edge_cycles` does, and when
     an angle sum is not 2 pi/k.
     """
+    lattice = _polyhedral(lattice)
     partner = lattice.partner
     firsts = [f for f in range(len(partner)) if f <= partner[f]]
     letter = {}

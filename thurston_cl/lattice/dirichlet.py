@@ -11,17 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from thurston_cl.lattice.domain import Lattice
-from thurston_cl.lattice.isometry import (
-    ORIGIN,
-    Array,
-    LatticeError,
-    bisector,
-    inverse,
-    keeps_sheet,
-    residual,
-    snap,
-    tidy,
-)
+from thurston_cl.lattice.error import LatticeError
+from thurston_cl.lattice.forms import ORIGIN, Array, bisector, curvature, keeps_sheet
+from thurston_cl.lattice.isometry import inverse, residual, snap, tidy
+from thurston_cl.lattice.polyhedral import Polyhedral
 from thurston_cl.lattice.polyhedron import Polyhedron
 
 # Orbit points of a group we can draw are farther apart than this; rounding in products is far below.
@@ -42,6 +35,7 @@ def dirichlet(
     LatticeError when a generator is no isometry, when an element fixes the origin (it lies on a cone axis or
     a mirror: conjugate the generators to move it off), or when the group is not discrete.
     """
+    curvature(geometry)
     given = []
     for i, generator in enumerate(generators):
         g = np.asarray(generator, dtype=np.float64)
@@ -71,7 +65,7 @@ def dirichlet(
     steps = np.array([tidy(geometry, m) for m in kept])
     walls = np.array([snap(bisector(geometry, m @ ORIGIN)) for m in steps])
     order = _face_order(walls, steps)
-    lattice = Lattice(
+    lattice = Polyhedral(
         name, geometry, walls[order], snap(inverse(geometry, steps[order])), description, source
     )
     _check_generated(lattice, given)

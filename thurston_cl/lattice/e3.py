@@ -8,7 +8,7 @@ import numpy as np
 
 from thurston_cl.lattice.dirichlet import dirichlet
 from thurston_cl.lattice.domain import Lattice
-from thurston_cl.lattice.isometry import Array
+from thurston_cl.lattice.forms import Array
 
 PLATYCOSMS = "Conway, Rossetti: Describing the platycosms (2003)"
 

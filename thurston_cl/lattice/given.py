@@ -1,35 +1,23 @@
 """A lattice that a person gives by matrices and half-spaces, checked."""
 
-from typing import Literal
-
 import numpy as np
 from numpy.typing import ArrayLike
 
+from thurston_cl.lattice.checks import INSIDE, OVERLAP, blame, check_isometry, given_numbers
 from thurston_cl.lattice.cycles import edge_cycles
-from thurston_cl.lattice.domain import Lattice, pairing_defects
-from thurston_cl.lattice.isometry import (
-    ORIGIN,
-    Array,
-    LatticeError,
-    curvature,
-    inverse,
-    keeps_sheet,
-    on_model,
-    residual,
-    snap,
-    tidy,
-    unit_wall,
-)
+from thurston_cl.lattice.domain import Lattice
+from thurston_cl.lattice.error import LatticeError
+from thurston_cl.lattice.forms import ORIGIN, Array, unit_wall
+from thurston_cl.lattice.given_prism import prism_from
+from thurston_cl.lattice.isometry import check_geometry, inverse, on_model, snap, tidy
+from thurston_cl.lattice.polygon import BASE
+from thurston_cl.lattice.polyhedral import Polyhedral, pairing_defects
 from thurston_cl.lattice.polyhedron import Polyhedron
 
 # A trial whether the domain's images overlap: so many points of it, moved by all words of so many generators.
 # Shorter words miss rotations that fit a face but not its corners; longer ones cost seconds.
 TRIAL_POINTS = 200
 TRIAL_WORD_LENGTH = 3
-# How deep inside the domain an image must be to count: far above rounding, far below any cell.
-OVERLAP = 1e-6
-# The origin must be at least this far inside every wall.
-INSIDE = 1e-9
 
 
 def from_matrices(
@@ -37,28 +25,24 @@ def from_matrices(
 ) -> Lattice:
     """Lattice with the domain {p : half_spaces[f] . p <= 0 for all f}; generators[f] leads back over wall f.
 
-    `generators` is (F,4,4), isometries of e3, s3 or h3 acting on columns [x,y,z,w]; `half_spaces` is (F,4),
-    covectors of any positive scale. The origin must be inside. The inverse of every generator must be there
-    too, and a generator must carry the plane of its half-space to that of its inverse, with the sides
-    exchanged. Numbers may be off by `tolerance`, relative to the largest; generators and planes are then
-    corrected to rounding. A gluing whose angles around an edge do not add up to 2 pi/k is allowed (a cone
-    manifold, paper 4.3): see `edge_cycles`. So is one whose faces meet like bricks, if the images of the
-    domain do not overlap.
+    `generators` is (F,n,n), isometries acting on columns [x,y,z,w], and [x,y,z,w,1] in s2xe, h2xe, sl2 (see
+    `thurston_cl.lattice.isometry`); `half_spaces` is (F,n), covectors of any positive scale. The origin must
+    be inside. The inverse of every generator must be there too, and a generator must carry the plane of its
+    half-space to that of its inverse, with the sides exchanged; see `Prism` for what walls and generators of
+    fibred geometries are, where that is asked of the base and of the fibre over o. Numbers may be off by
+    `tolerance`, relative to the largest; generators and planes are then corrected to rounding. A gluing whose
+    angles around an edge do not add up to 2 pi/k is allowed (a cone manifold, paper 4.3): see `edge_cycles`.
+    So is one whose faces meet like bricks, if the images of the domain do not overlap.
 
     Raises LatticeError: `what` is "generators" or "domain", `index` the entry to blame, from 0, if there is
     one. Its text counts from 1.
     """
-    curvature(geometry)
-    maps = _numbers(generators, (4, 4), "generators", "generators must be a list of 4x4 matrices")
-    walls = _numbers(half_spaces, (4,), "domain", "the domain must be a list of half-spaces [a, b, c, d]")
-    if len(maps) != len(walls):
-        raise LatticeError(
-            f"there are {len(maps)} generators but {len(walls)} half-spaces; "
-            "give one half-space for each generator",
-            "domain",
-        )
+    check_geometry(geometry)
+    maps, walls = given_numbers(geometry, generators, half_spaces)
     for f, m in enumerate(maps):
-        _check_isometry(geometry, m, f, tolerance)
+        check_isometry(geometry, m, f, tolerance)
+    if geometry in BASE:
+        return prism_from(geometry, maps, walls, tolerance, name)
     for f, n in enumerate(walls):
         walls[f] = _unit_half_space(geometry, n, f)
 
@@ -68,7 +52,7 @@ def from_matrices(
     partner = [_partner(geometry, walls, maps, f, tolerance) for f in range(len(walls))]
     for f, g in enumerate(partner):
         if partner[g] != f:
-            raise _blame("generators", f, f"is the same as number {partner[g] + 1}; leave one of them out")
+            raise blame("generators", f, f"is the same as number {partner[g] + 1}; leave one of them out")
         if f < g:
             maps[g] = snap(inverse(geometry, maps[f]))
             walls[g] = snap(unit_wall(geometry, -walls[f] @ maps[g]))
@@ -76,13 +60,13 @@ def from_matrices(
     bounding = Polyhedron(geometry, walls).bounding
     for f in range(len(walls)):
         if f not in bounding:
-            raise _blame(
+            raise blame(
                 "domain",
                 f,
                 "does not bound the domain, for the others already imply it; "
                 "leave it out with its generator, or correct its numbers",
             )
-    lattice = Lattice(name, geometry, walls, maps, "given by generators and half-spaces")
+    lattice = Polyhedral(name, geometry, walls, maps, "given by generators and half-spaces")
     _check_tiling(lattice)
     return lattice
 
@@ -111,56 +95,14 @@ def _check_tiling(lattice: Lattice) -> None:
         raise LatticeError(f"{mismatch}; {text}", "generators", mismatch.index)
 
 
-def _blame(what: Literal["generators", "domain"], index: int, text: str) -> LatticeError:
-    noun = "generator" if what == "generators" else "half-space"
-    return LatticeError(f"{noun} {index + 1} {text}", what, index)
-
-
-def _numbers(
-    values: ArrayLike, shape: tuple[int, ...], what: Literal["generators", "domain"], expected: str
-) -> Array:
-    try:
-        array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise LatticeError(expected, what) from None
-    if array.ndim != len(shape) + 1 or array.shape[1:] != shape or len(array) == 0:
-        raise LatticeError(expected, what)
-    for f, entry in enumerate(array):
-        if not np.all(np.isfinite(entry)):
-            raise _blame(what, f, "has a number that is not finite; correct it")
-    return array
-
-
-def _check_isometry(geometry: str, m: Array, f: int, tolerance: float) -> None:
-    off = residual(geometry, m)
-    if off > tolerance:
-        rule = {
-            0: "its last row must be [0, 0, 0, 1] and its upper left 3x3 block orthogonal",
-            1: "it must be orthogonal",
-            -1: "M^T J M must be J = diag(1, 1, 1, -1)",
-        }[curvature(geometry)]
-        raise _blame(
-            "generators",
-            f,
-            f"is not an isometry of {geometry} (off by {off:.2g}, allowed {tolerance:.2g}): {rule}; "
-            "check its signs and give all digits of irrational entries",
-        )
-    if not keeps_sheet(geometry, m):
-        raise _blame(
-            "generators",
-            f,
-            "exchanges the sheets of the hyperboloid: its last entry must be positive; negate the matrix",
-        )
-
-
 def _unit_half_space(geometry: str, n: Array, f: int) -> Array:
     try:
         wall = unit_wall(geometry, n)
     except ValueError as error:
         cure = "a^2 + b^2 + c^2 must exceed d^2" if geometry == "h3" else "a, b, c must not all be 0"
-        raise _blame("domain", f, f"has no boundary plane: {error}; {cure}") from None
+        raise blame("domain", f, f"has no boundary plane: {error}; {cure}") from None
     if wall[3] >= -INSIDE:
-        raise _blame(
+        raise blame(
             "domain",
             f,
             "does not have the origin inside: [a, b, c, d] means a x + b y + c z + d w <= 0, so d must be "
@@ -177,7 +119,7 @@ def _partner(geometry: str, walls: Array, maps: Array, f: int, tolerance: float)
     inverse_defect, wall_defect = (defect[f] for defect in pairing_defects(geometry, walls, maps))
     inverses = np.nonzero(inverse_defect < allowed)[0]
     if len(inverses) == 0:
-        raise _blame(
+        raise blame(
             "generators",
             f,
             "has no inverse among the generators; add it, with the half-space whose points it leads back",
@@ -187,13 +129,13 @@ def _partner(geometry: str, walls: Array, maps: Array, f: int, tolerance: float)
         return best
     # Perhaps the generator leads out of the domain through its half-space instead of back.
     if pairing_defects(geometry, walls, inverse(geometry, maps))[1][f, best] < allowed:
-        raise _blame(
+        raise blame(
             "generators",
             f,
             "moves the wrong way: it must lead back the points outside its half-space; "
             "exchange it with its inverse",
         )
-    raise _blame(
+    raise blame(
         "domain",
         f,
         f"does not fit its generator, which should carry its plane to that of half-space {best + 1} "

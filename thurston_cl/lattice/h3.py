@@ -9,7 +9,7 @@ import numpy as np
 
 from thurston_cl.lattice.dirichlet import dirichlet
 from thurston_cl.lattice.domain import Lattice
-from thurston_cl.lattice.isometry import Array
+from thurston_cl.lattice.forms import Array
 
 GOLDEN = (1.0 + np.sqrt(5.0)) / 2.0
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))

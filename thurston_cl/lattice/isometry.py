@@ -1,105 +1,263 @@
-"""What the lattice package knows about each geometry: its bilinear form and its isometries.
+"""Isometries of the seven geometries that have lattices here, as matrices on homogeneous columns.
 
-Models (paper Table 1): points are 4-vectors [x,y,z,w], the origin is o = e_w; e3 is the plane w = 1, s3 the
-unit sphere, h3 the sheet w > 0 of x^2+y^2+z^2-w^2 = -1. With the curvature K = 0, 1, -1 the form on vectors
-is xx'+yy'+zz'+K ww', and the one on covectors (walls) is the same; in e3 it only sees x, y, z.
+Points are 4-vectors [x,y,z,w] of the models (paper Table 1). In e3, s3, h3 and nil isometries are linear on
+them: (4,4) matrices. In s2xe, h2xe and sl2 they are (5,5) matrices on [x,y,z,w,1]: rows x, y, z hold the
+isometry A (3,3) of the base S2 or H2, row w is (0,0,0,sense,shift) with sense +-1. That is all of a product's
+isometry; in sl2 the fibre coordinate gains more than that (`act`), so that matrix products do not compose.
+An isometry of sl2 is determined by its matrix all the same, since shift is where it takes o along the fibre.
+Paper 7, 8.1, 9.1, 10.1; the isometries of nil and sl2 are L_p (R_a or a flip), both orientation preserving.
 """
 
-from collections.abc import Mapping
-from types import MappingProxyType
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from thurston_cl.errors import ThurstonError
+from thurston_cl.lattice.error import LatticeError
+from thurston_cl.lattice.forms import (
+    CURVATURE,
+    Array,
+    form,
+    form_inverse,
+    form_polish,
+    form_residual,
+    keeps_sheet,
+)
 
-Array = NDArray[np.float64]
-
-CURVATURE: Mapping[str, int] = MappingProxyType({"e3": 0, "s3": 1, "h3": -1})
-ORIGIN: Array = np.array([0.0, 0.0, 0.0, 1.0])
-ORIGIN.setflags(write=False)
+# Curvature of the base of a fibred geometry: S2, the plane, H2.
+BASE_CURVATURE = {"s2xe": 1, "h2xe": -1, "nil": 0, "sl2": -1}
+GEOMETRIES = (*CURVATURE, *BASE_CURVATURE)
+# Geometries whose points carry the fibre coordinate beside three coordinates of the base.
+FIVE = ("s2xe", "h2xe", "sl2")
+# Geometries whose frames are left-invariant, and whose flips turn the fibre and the base at once.
+TWISTED = ("nil", "sl2")
 # The residual of an isometry whose entries are correctly rounded is below this.
 ROUNDING = 2e-15
+# How far a rotation may be from orthogonal, and from keeping the fibre: far above rounding, far below an
+# angle.
+OFF_ORTHOGONAL = 1e-9
 
 
-class LatticeError(ThurstonError, ValueError):
-    """A lattice is unknown or wrong.
-
-    `what` is "generators", "domain" or "name", and `index` says which generator or half-space (None: all of
-    them), so that a scene loader can point at the line.
-    """
-
-    exit_code = 65
-
-    def __init__(self, message: str, what: str, index: int | None = None) -> None:
-        super().__init__(message)
-        self.what = what
-        self.index = index
-
-
-def curvature(geometry: str) -> int:
-    """K = 0, 1, -1 for e3, s3, h3. Raises LatticeError for a geometry that has no lattices here."""
-    if geometry not in CURVATURE:
-        known = ", ".join(CURVATURE)
+def check_geometry(geometry: str) -> None:
+    """Raises LatticeError for a geometry that has no lattices here."""
+    if geometry not in GEOMETRIES:
+        known = ", ".join(GEOMETRIES)
         raise LatticeError(f"there are no lattices for geometry '{geometry}'; known are: {known}", "name")
-    return CURVATURE[geometry]
 
 
-def form(geometry: str) -> Array:
-    """Diagonal (4,) of the bilinear form on covectors, and in s3 and h3 also of the one on vectors."""
-    return np.array([1.0, 1.0, 1.0, curvature(geometry)])
+def dimension(geometry: str) -> int:
+    """Number of homogeneous coordinates, and size of the matrices: 4 or 5."""
+    check_geometry(geometry)
+    return 5 if geometry in FIVE else 4
+
+
+def fibre(geometry: str) -> int:
+    """Which coordinate of a point of a fibred geometry runs along the fibre."""
+    return 2 if geometry == "nil" else 3
+
+
+def origin(geometry: str) -> Array:
+    """The origin o (4,) of the model."""
+    check_geometry(geometry)
+    return np.array([0.0, 0.0, 1.0, 0.0] if geometry in FIVE else [0.0, 0.0, 0.0, 1.0])
+
+
+def identity(geometry: str) -> Array:
+    """The identity (n,n)."""
+    return np.eye(dimension(geometry))
+
+
+def homogeneous(geometry: str, points: ArrayLike) -> Array:
+    """Homogeneous coordinates (...,n) of points (...,4)."""
+    p = np.asarray(points, dtype=np.float64)
+    return np.concatenate([p, np.ones((*p.shape[:-1], 1))], axis=-1) if dimension(geometry) == 5 else p
+
+
+def on_model(geometry: str, points: ArrayLike) -> Array:
+    """Points (...,4) put back on the model after rounding has moved them off it."""
+    check_geometry(geometry)
+    p = np.array(points, dtype=np.float64)
+    match geometry:
+        case "e3" | "nil":
+            p[..., 3] = 1.0
+        case "s3":
+            p /= np.linalg.norm(p, axis=-1, keepdims=True)
+        case "h3":
+            p[..., 3] = np.sqrt(1.0 + np.sum(p[..., :3] ** 2, axis=-1))
+        case "s2xe":
+            p[..., :3] /= np.linalg.norm(p[..., :3], axis=-1, keepdims=True)
+        case _:
+            p[..., 2] = np.sqrt(1.0 + np.sum(p[..., :2] ** 2, axis=-1))
+    return p
+
+
+def act(geometry: str, isometry: ArrayLike, points: ArrayLike) -> Array:
+    """Points (...,4) moved by isometries (...,n,n), both broadcast, and put back on the model.
+
+    In sl2 the fibre coordinate of p = [x,y,z,w] with A p = q becomes, m the third row of A,
+    sense w + shift + 2 atan2(sense (m_y x - m_x y), 1 + m_z + z + q_z): left multiplication (10.1) before the
+    logarithm of the product is taken, see kernels/geometry/sl2.h.
+    """
+    m, p = np.asarray(isometry, dtype=np.float64), np.asarray(points, dtype=np.float64)
+    q = on_model(geometry, np.einsum("...ij,...j->...i", m[..., :4, :], homogeneous(geometry, p)))
+    if geometry == "sl2":
+        q[..., 3] += _gain(m, p, q)
+    return q
+
+
+def _gain(m: Array, p: Array, q: Array) -> Array:
+    """What the fibre coordinate of sl2 gains beyond its affine part, from p (...,4) to q on the base."""
+    across = m[..., 2, 1] * p[..., 0] - m[..., 2, 0] * p[..., 1]
+    along = 1.0 + m[..., 2, 2] + p[..., 2] + q[..., 2]
+    return np.asarray(2.0 * np.arctan2(m[..., 3, 3] * across, along))
+
+
+def compose(geometry: str, a: ArrayLike, b: ArrayLike) -> Array:
+    """The isometries a after b (...,n,n), both broadcast."""
+    a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    product = np.asarray(a @ b)
+    check_geometry(geometry)
+    if geometry == "sl2":
+        product[..., 3, 4] += _gain(a, b[..., :4, 2], product[..., :4, 2])
+    return product
 
 
 def inverse(geometry: str, isometry: ArrayLike) -> Array:
-    """Inverses (...,4,4) of isometries (...,4,4), without solving: G M^T G, in e3 [R^T, -R^T t]."""
+    """Inverses (...,n,n) of isometries (...,n,n), without solving."""
+    check_geometry(geometry)
     m = np.asarray(isometry, dtype=np.float64)
-    if curvature(geometry) != 0:
-        g = form(geometry)
-        return g[:, None] * np.swapaxes(m, -1, -2) * g + 0.0
+    if geometry in ("s3", "h3"):
+        return form_inverse(form(geometry), m) + 0.0
     result = np.zeros_like(m)
+    result[..., -1, -1] = 1.0
+    if geometry in FIVE:
+        result[..., :3, :3] = form_inverse(_base_form(geometry), m[..., :3, :3])
+        result[..., 3, 3] = m[..., 3, 3]
+        # Also in sl2: A takes A^-1 o to o, where nothing is gained.
+        result[..., 3, 4] = -m[..., 3, 3] * m[..., 3, 4]
+        return result + 0.0
+    if geometry == "nil":
+        # (L_p K)^-1 = K^-1 L_-p = L_q K^-1 with q = -K^-1 p.
+        turn = np.swapaxes(m[..., :2, :2], -1, -2)
+        q = -(turn @ m[..., :2, 3:])[..., 0]
+        return _nil(turn, m[..., 2, 2], np.concatenate([q, (-m[..., 2, 2] * m[..., 2, 3])[..., None]], -1))
     transposed = np.swapaxes(m[..., :3, :3], -1, -2)
     result[..., :3, :3] = transposed
     result[..., :3, 3] = -(transposed @ m[..., :3, 3:])[..., 0]
-    result[..., 3, 3] = 1.0
     return result + 0.0
 
 
-def residual(geometry: str, isometry: ArrayLike) -> float:
-    """How far (...,4,4) matrices are from preserving the form, relative to their largest entry squared.
-
-    In s3, h3 max|M^T G M - G|; in e3 max|R^T R - 1| and how far the last row is from [0,0,0,1]. The sheet of
-    h3 is not looked at: see `keeps_sheet`.
+def _nil(turn: Array, sense: ArrayLike, shift: Array) -> Array:
+    """The isometry (...,4,4) of nil that turns about o by turn (...,2,2) and +-1 and then goes to `shift`
+    (...,3).
     """
+    m = np.zeros((*shift.shape[:-1], 4, 4))
+    m[..., :2, :2] = turn
+    m[..., 2, :2] = 0.5 * (shift[..., :1] * turn[..., 1, :] - shift[..., 1:2] * turn[..., 0, :])
+    m[..., 2, 2] = sense
+    m[..., :3, 3] = shift
+    m[..., 3, 3] = 1.0
+    return m + 0.0
+
+
+def _base_form(geometry: str) -> Array:
+    return np.array([1.0, 1.0, float(BASE_CURVATURE[geometry])])
+
+
+def residual(geometry: str, isometry: ArrayLike) -> float:
+    """How far (...,n,n) matrices are from isometries, relative to their largest entry or its square: the
+    greatest of `rules`. The sheet of h3, h2xe, sl2 is not looked at, nor the sign of sense.
+    """
+    return max(rules(geometry, isometry).values())
+
+
+def rules(geometry: str, isometry: ArrayLike) -> dict[str, float]:
+    """What makes matrices (...,n,n) isometries, in words, and how far they are from it."""
+    check_geometry(geometry)
     m = np.asarray(isometry, dtype=np.float64)
-    if curvature(geometry) == 0:
-        rotation = m[..., :3, :3]
-        defect = np.swapaxes(rotation, -1, -2) @ rotation - np.eye(3)
-        scale = max(1.0, float(np.max(np.abs(rotation))) ** 2)
-        return max(float(np.max(np.abs(defect))) / scale, float(np.max(np.abs(m[..., 3, :] - ORIGIN))))
-    g = np.diag(form(geometry))
-    defect = np.swapaxes(m, -1, -2) @ g @ m - g
-    size = np.max(np.abs(m), axis=(-1, -2), keepdims=True)
-    return float(np.max(np.abs(defect) / np.maximum(1.0, size) ** 2))
+
+    def off(values: ArrayLike) -> float:
+        return float(np.max(np.abs(values)))
+
+    match geometry:
+        case "e3":
+            rotation = m[..., :3, :3]
+            worst = form_residual(np.ones(3), rotation)
+            last = off(m[..., 3, :] - [0.0, 0.0, 0.0, 1.0])
+            return {
+                "its last row must be [0, 0, 0, 1] and its upper left 3x3 block orthogonal": max(worst, last)
+            }
+        case "s3":
+            return {"it must be orthogonal": form_residual(form("s3"), m)}
+        case "h3":
+            return {"M^T J M must be J = diag(1, 1, 1, -1)": form_residual(form("h3"), m)}
+        case "nil":
+            turn = m[..., :2, :2]
+            determinant = np.linalg.det(turn)
+            right = _nil(turn, determinant, m[..., :3, 3])
+            scale = max(1.0, off(m))
+            return {
+                "its last row must be [0, 0, 0, 1] and the first two entries of its third column 0": max(
+                    off(m[..., 3, :] - [0.0, 0.0, 0.0, 1.0]), off(m[..., :2, 2])
+                ),
+                "its upper left 2x2 block must be orthogonal": form_residual(np.ones(2), turn),
+                "the third entry of its third row must be the determinant of the upper left 2x2 block": off(
+                    m[..., 2, 2] - determinant
+                ),
+                "its third row must begin with (a d - b c)/2 for the entries c, d above and the last entries "
+                "a, b of the rows above": off(m[..., 2, :2] - right[..., 2, :2]) / scale,
+            }
+    zeros = np.ones((5, 5), dtype=bool)
+    zeros[:3, :3] = False
+    zeros[3, 3:] = False
+    last = np.eye(5)[4]
+    blocks = "its upper left 3x3 block must be orthogonal"
+    if BASE_CURVATURE[geometry] < 0:
+        blocks = "A^T J A must be J = diag(1, 1, -1) for its upper left 3x3 block A"
+    found = {
+        "its last row must be [0, 0, 0, 0, 1]": off(m[..., 4, :] - last),
+        "it must be [[A, 0, 0], [0, e, s], [0, 0, 1]] with a 3x3 block A": off(
+            (m - np.diag(last))[..., zeros]
+        ),
+        blocks: form_residual(_base_form(geometry), m[..., :3, :3]),
+        "the fourth entry of its fourth row must be 1 or -1": off(np.abs(m[..., 3, 3]) - 1.0),
+    }
+    if geometry == "sl2":
+        sign = np.sign(np.linalg.det(m[..., :3, :3]))
+        found["the fourth entry of its fourth row must be the determinant of its upper left 3x3 block"] = off(
+            m[..., 3, 3] - sign
+        )
+    return found
 
 
-def keeps_sheet(geometry: str, isometry: ArrayLike) -> bool:
-    """Whether the matrices (...,4,4) map the model to itself; in h3 that is w > 0 to w > 0."""
-    return curvature(geometry) >= 0 or bool(np.all(np.asarray(isometry)[..., 3, 3] > 0))
+def keeps_model(geometry: str, isometry: ArrayLike) -> bool:
+    """Whether the matrices (...,n,n) map the model to itself, not one sheet of its hyperboloid to the
+    other.
+    """
+    if geometry in BASE_CURVATURE:
+        return BASE_CURVATURE[geometry] >= 0 or bool(np.all(np.asarray(isometry)[..., 2, 2] > 0))
+    return keeps_sheet(geometry, isometry)
 
 
 def polish(geometry: str, isometry: ArrayLike) -> Array:
-    """The isometry next to an almost-isometry (4,4), by Newton's iteration M -> M (3 - M* M)/2."""
+    """The isometry next to an almost-isometry (n,n), by Newton's iteration on its orthogonal block."""
     m = np.array(isometry, dtype=np.float64)
     # Quadratic convergence: from 1e-3 to rounding in three steps. A step too many adds rounding of its own.
     for _ in range(4):
         if residual(geometry, m) < ROUNDING:
             break
-        if curvature(geometry) == 0:
-            rotation = m[:3, :3]
-            m[:3, :3] = rotation @ (3.0 * np.eye(3) - rotation.T @ rotation) / 2.0
-            m[3] = ORIGIN
-        else:
-            m = m @ (3.0 * np.eye(4) - inverse(geometry, m) @ m) / 2.0
+        match geometry:
+            case "e3":
+                m[:3, :3] = form_polish(np.ones(3), m[:3, :3])
+                m[3] = [0.0, 0.0, 0.0, 1.0]
+            case "s3" | "h3":
+                m = form_polish(form(geometry), m)
+            case "nil":
+                turn = form_polish(np.ones(2), m[:2, :2])
+                m = _nil(turn, np.sign(np.linalg.det(turn)), m[:3, 3])
+            case _:
+                sense, shift = np.sign(m[3, 3]), m[3, 4]
+                block = form_polish(_base_form(geometry), m[:3, :3])
+                m = np.zeros((5, 5))
+                m[:3, :3], m[3, 3:], m[4, 4] = block, (sense, shift), 1.0
     return m
 
 
@@ -111,7 +269,7 @@ def snap(values: ArrayLike, tolerance: float = 1e-12) -> Array:
 
 
 def tidy(geometry: str, isometry: ArrayLike, tolerance: float = 1e-12) -> Array:
-    """The isometry next to an almost-isometry (4,4), with entries exact where they are a multiple of 1/2."""
+    """The isometry next to an almost-isometry (n,n), with entries exact where they are a multiple of 1/2."""
     m = np.array(isometry, dtype=np.float64)
     # Either step disturbs the other a little; they settle in a few rounds.
     for _ in range(20):
@@ -121,62 +279,79 @@ def tidy(geometry: str, isometry: ArrayLike, tolerance: float = 1e-12) -> Array:
     return m
 
 
-def on_model(geometry: str, points: ArrayLike) -> Array:
-    """Points (...,4) put back on the model after rounding has moved them off it."""
-    p = np.array(points, dtype=np.float64)
-    k = curvature(geometry)
-    if k == 0:
-        p[..., 3] = 1.0
-    elif k < 0:
-        p[..., 3] = np.sqrt(1.0 + np.sum(p[..., :3] ** 2, axis=-1))
-    else:
-        p /= np.linalg.norm(p, axis=-1, keepdims=True)
-    return p
+def stabilizer(geometry: str, rotation: ArrayLike) -> Array:
+    """The isometry (n,n) that fixes o and has the differential `rotation` (3,3), on directions of the frame.
 
-
-def dot(geometry: str, a: ArrayLike, b: ArrayLike) -> Array:
-    """The form <a, b> (...) of vectors or covectors (...,4)."""
-    return np.asarray(np.sum(form(geometry) * np.asarray(a) * np.asarray(b), axis=-1))
-
-
-def unit_wall(geometry: str, covector: ArrayLike) -> Array:
-    """A covector (4,) scaled to norm 1, so that wall . p is the signed distance s to its plane, sin s or sinh
-    s.
-
-    Raises ValueError when {p : covector . p = 0} is not a plane of the geometry.
+    In e3, s3, h3 any orthogonal matrix will do. Fibred geometries must keep the fibre: rotations about it and
+    half-turns about horizontal axes, in s2xe and h2xe also reflections. Raises LatticeError otherwise.
     """
-    n = np.asarray(covector, dtype=np.float64)
-    size = float(np.max(np.abs(n)))
-    square = float(dot(geometry, n, n))
-    if not square > 1e-12 * size * size:
-        raise ValueError(f"[{', '.join(f'{c:g}' for c in n)}] is not a plane of {geometry}")
-    return np.asarray(n / np.sqrt(square))
+    r = np.array(rotation, dtype=np.float64)
+    m = identity(geometry)
+    if r.shape != (3, 3) or form_residual(np.ones(3), r) > OFF_ORTHOGONAL:
+        raise LatticeError("a rotation must be an orthogonal 3x3 matrix", "generators")
+    if geometry not in BASE_CURVATURE:
+        m[:3, :3] = r
+        return m
+    if max(np.max(np.abs(r[2, :2])), np.max(np.abs(r[:2, 2]))) > OFF_ORTHOGONAL:
+        raise LatticeError(
+            f"{geometry} can only be turned about its fibre, the third axis, and by half-turns about axes "
+            "across it",
+            "generators",
+        )
+    sense = float(np.sign(r[2, 2]))
+    if geometry in TWISTED and np.linalg.det(r) < 0:
+        raise LatticeError(f"{geometry} has no reflections: its rotations have determinant 1", "generators")
+    m[:2, :2] = r[:2, :2]
+    m[fibre(geometry), fibre(geometry)] = sense
+    return m
 
 
-def wall_distance(geometry: str, height: ArrayLike) -> Array:
-    """Signed distance (...) of a point p to the plane of a unit wall, from the height wall . p (...)."""
-    h = np.asarray(height, dtype=np.float64)
-    k = curvature(geometry)
-    if k == 0:
-        return h
-    # On s3 rounding may carry a height past 1.
-    return np.asarray(np.arcsinh(h) if k < 0 else np.arcsin(np.clip(h, -1.0, 1.0)))
+def vector_map(geometry: str, isometry: ArrayLike) -> Array:
+    """The linear maps (...,4,4) that isometries (...,n,n) make of tangent vectors as kernels have them.
+
+    Ambient velocities in e3, s3, h3, s2xe, h2xe. In nil and sl2 the components in the left-invariant frame,
+    w = 0: left translations leave them alone, so only the turn about o is left.
+    """
+    check_geometry(geometry)
+    m = np.asarray(isometry, dtype=np.float64)
+    if geometry not in TWISTED:
+        return np.array(m[..., :4, :4])
+    k = np.zeros((*m.shape[:-2], 4, 4))
+    if geometry == "nil":
+        k[..., :2, :2], k[..., 2, 2] = m[..., :2, :2], m[..., 2, 2]
+        return k
+    # A = T(p) R(shift) K: undo the transvection to p = A o, then the turn that left translation makes.
+    p = m[..., :3, 2]
+    back = m[..., :2, :2] - p[..., :2, None] * (m[..., 2:3, :2] / (1.0 + p[..., 2, None, None]))
+    c, s = np.cos(m[..., 3, 4]), np.sin(m[..., 3, 4])
+    k[..., 0, :2] = c[..., None] * back[..., 0, :] + s[..., None] * back[..., 1, :]
+    k[..., 1, :2] = c[..., None] * back[..., 1, :] - s[..., None] * back[..., 0, :]
+    k[..., 2, 2] = m[..., 3, 3]
+    return k
 
 
-def bisector(geometry: str, point: ArrayLike) -> Array:
-    """Wall (4,) between the origin and a point (4,): positive at the points that are nearer to `point`."""
-    q = np.asarray(point, dtype=np.float64)
-    k = curvature(geometry)
-    last = -float(q[:3] @ q[:3]) / 2.0 if k == 0 else k * (q[3] - 1.0)
-    return unit_wall(geometry, [q[0], q[1], q[2], last])
-
-
-def orbit_radius(geometry: str, points: ArrayLike) -> Array:
-    """Distance (...) of points (...,4) from the origin, to sort an orbit by: poor next to the origin."""
-    p = np.asarray(points, dtype=np.float64)
-    k = curvature(geometry)
-    if k == 0:
-        return np.asarray(np.linalg.norm(p[..., :3], axis=-1))
-    if k < 0:
-        return np.asarray(np.arccosh(np.maximum(1.0, p[..., 3])))
-    return np.asarray(np.arctan2(np.linalg.norm(p[..., :3], axis=-1), p[..., 3]))
+def translation(geometry: str, point: ArrayLike) -> Array:
+    """The isometries (...,n,n) that carry o to points (...,4): left translation in nil and sl2, in s2xe and
+    h2xe the transvection of the base and the shift. Singular at the antipode of o on S2.
+    """
+    p = np.asarray(point, dtype=np.float64)
+    if geometry == "nil":
+        return _nil(np.eye(2), 1.0, p[..., :3])
+    if geometry not in FIVE:
+        raise LatticeError(f"{geometry} is no fibred geometry", "generators")
+    k = BASE_CURVATURE[geometry]
+    m = np.zeros((*p.shape[:-1], 5, 5))
+    xy = p[..., :2]
+    m[..., :2, :2] = np.eye(2) - k * xy[..., :, None] * xy[..., None, :] / (1.0 + p[..., 2, None, None])
+    m[..., :2, 2] = xy
+    m[..., 2, :2] = -k * xy
+    m[..., 2, 2] = p[..., 2]
+    m[..., 3, 3] = m[..., 4, 4] = 1.0
+    m[..., 3, 4] = p[..., 3]
+    if geometry == "sl2":
+        c, s = np.cos(p[..., 3]), np.sin(p[..., 3])
+        turn = np.zeros((*p.shape[:-1], 3, 3))
+        turn[..., 0, 0] = turn[..., 1, 1] = c
+        turn[..., 0, 1], turn[..., 1, 0], turn[..., 2, 2] = -s, s, 1.0
+        m[..., :3, :3] = m[..., :3, :3] @ turn
+    return m + 0.0

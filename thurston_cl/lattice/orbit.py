@@ -5,20 +5,20 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from thurston_cl.lattice.domain import Lattice
-from thurston_cl.lattice.isometry import ORIGIN, Array, orbit_radius
-
-# Orbit points whose distances from the origin differ by less are sorted as equally far; acosh and products
-# round less.
-TIE = 1e-7
+from thurston_cl.lattice.forms import Array
+from thurston_cl.lattice.isometry import act, compose, identity, origin
+from thurston_cl.lattice.prism import Prism
+from thurston_cl.lattice.prism_orbit import TIE, columns, elements_within
+from thurston_cl.lattice.radius import orbit_radius
 
 
 def neighbours(lattice: Lattice) -> Array:
-    """The identity, then per wall the element that carries the domain to its neighbour there: (F+1,4,4)."""
-    return np.concatenate([np.eye(4)[None], lattice.inverses])
+    """The identity, then per wall the element that carries the domain to its neighbour there: (F+1,n,n)."""
+    return np.concatenate([identity(lattice.geometry)[None], lattice.inverses])
 
 
 def elements(lattice: Lattice, count: int | None = None, radius: float | None = None) -> Array:
-    """Group elements gamma (M,4,4) in order of the distance from the origin o to gamma o, the identity first.
+    """Group elements gamma (M,n,n) in order of the distance from the origin o to gamma o, the identity first.
 
     `count` keeps the first so many, `radius` those with distance at most `radius`. A finite group may leave
     both out and give all its elements; a smaller group than `count` gives what it has. Elements at the same
@@ -26,18 +26,30 @@ def elements(lattice: Lattice, count: int | None = None, radius: float | None = 
 
     In a Dirichlet domain every element is reached over ever nearer ones: if gamma o is outside wall f,
     maps[f] leads it nearer. In another domain we search farther out, by the longest step, and may in theory
-    miss some. Raises ValueError without a bound in e3 and h3.
+    miss some. In a prism that is said of its polygon. Raises ValueError without a bound where the group may
+    be infinite: everywhere but in s3.
     """
     if count is None and radius is None and lattice.geometry != "s3":
         raise ValueError(f"the group of '{lattice.name}' may be infinite: give count or radius")
     if count is not None and count < 1:
         raise ValueError(f"count must be at least 1, not {count}")
     bound = np.inf if radius is None else float(radius)
+    if isinstance(lattice, Prism):
+        found = elements_within(lattice, np.inf if count is None else count, bound)
+    else:
+        found = _around(lattice, count, bound)
+    return found[_order(lattice, found)][:count]
+
+
+def _around(lattice: Lattice, count: int | None, bound: float) -> Array:
+    """The elements (M,4,4) of a polyhedron's group with d(o, gamma o) <= bound, in no order, or `count` of
+    them and all that are as near.
+    """
     steps = lattice.inverses
-    step_points = steps @ ORIGIN
+    step_points = act(lattice.geometry, steps, origin(lattice.geometry))
     detour = 0.0 if lattice.is_dirichlet else float(np.max(orbit_radius(lattice.geometry, step_points)))
 
-    found = np.eye(4)[None]
+    found = identity(lattice.geometry)[None]
     fresh = found
     # Neighbours of what was found that lie beyond the present horizon: parent, wall and point of each.
     later: list[tuple[NDArray[np.intp], NDArray[np.intp], Array]] = []
@@ -45,7 +57,7 @@ def elements(lattice: Lattice, count: int | None = None, radius: float | None = 
     while True:
         while len(fresh):
             first = len(found) - len(fresh)
-            points = np.einsum("nij,fj->nfi", fresh, step_points).reshape(-1, 4)
+            points = act(lattice.geometry, fresh[:, None], step_points[None]).reshape(-1, 4)
             parents, walls = np.divmod(np.arange(len(points)), len(steps))
             near = orbit_radius(lattice.geometry, points) <= horizon
             later.append((parents[~near] + first, walls[~near], points[~near]))
@@ -64,42 +76,51 @@ def elements(lattice: Lattice, count: int | None = None, radius: float | None = 
         later = [(parents[~near], walls[~near], points[~near])]
         found, fresh = _accept(lattice, found, parents[near], walls[near], points[near])
 
-    found = found[_radii(lattice, found) <= bound + TIE]
-    return found[_order(lattice, found)][:count]
+    return found[_radii(lattice, found) <= bound + TIE]
 
 
-def cell_table(lattice: Lattice, size: int) -> tuple[Array, NDArray[np.int32]]:
-    """The automaton of the `size` cells nearest to home: elements (C,4,4) and the next cell (C,F).
+def cell_table(lattice: Lattice, size: int, reach: float | None = None) -> tuple[Array, NDArray[np.int32]]:
+    """The automaton of the `size` cells nearest to home: elements (C,n,n) and the next cell (C,F).
 
     Cell k is g_k D with g_k = elements[k], and cell 0 is home. A ray in cell k that leaves the domain through
     wall f and is led back by maps[f] goes on in the cell of g_k inverse(maps[f]), which is next[k,f], or C
-    where that cell is not in the table. A finite group with fewer elements gives a smaller table.
+    where that cell is not in the table. A finite group with fewer elements gives a smaller table. With
+    `reach`, a prism's cells are whole columns: those within `reach` along the fibre, over as many cells of the
+    base as make about `size` in all.
     """
-    cells = elements(lattice, count=size)
-    points = np.einsum("nij,fj->nfi", cells, lattice.inverses @ ORIGIN)
-    _, following = cKDTree(cells @ ORIGIN).query(points.reshape(-1, 4), distance_upper_bound=_apart(lattice))
+    if reach is not None and isinstance(lattice, Prism):
+        cells = columns(lattice, size, reach)
+        cells = cells[_order(lattice, cells)]
+    else:
+        cells = elements(lattice, count=size)
+    starts = act(lattice.geometry, lattice.inverses, origin(lattice.geometry))
+    points = act(lattice.geometry, cells[:, None], starts[None])
+    _, following = cKDTree(_points(lattice, cells)).query(
+        points.reshape(-1, 4), distance_upper_bound=_apart(lattice)
+    )
     return cells, following.reshape(len(cells), len(lattice.walls)).astype(np.int32)
 
 
 def paths(lattice: Lattice, wanted: Array) -> list[tuple[int, ...]]:
-    """For each of the elements (M,4,4) the walls that lead from the domain to its cell, one after the other.
+    """For each of the elements (M,n,n) the walls that lead from the domain to its cell, one after the other.
 
     A path (f, g, ...) belongs to the element inverse(maps[f]) inverse(maps[g]) ..., as in `cell_table`.
     """
-    goals = wanted @ ORIGIN
+    goals = _points(lattice, wanted)
     found: dict[int, tuple[int, ...]] = {}
-    level: list[tuple[Array, tuple[int, ...]]] = [(np.eye(4), ())]
-    reached = np.array([ORIGIN])
+    level: list[tuple[Array, tuple[int, ...]]] = [(identity(lattice.geometry), ())]
+    reached = lattice.centre[None]
     apart = _apart(lattice)
     while len(found) < len(goals):
         following = []
         for element, path in level:
             for wall, step in enumerate(lattice.inverses):
-                point = element @ step @ ORIGIN
+                image = compose(lattice.geometry, element, step)
+                point = _points(lattice, image)
                 if np.min(np.linalg.norm(reached - point, axis=1)) < apart:
                     continue
                 reached = np.concatenate([reached, point[None]])
-                following.append((element @ step, (*path, wall)))
+                following.append((image, (*path, wall)))
                 for goal in np.flatnonzero(np.linalg.norm(goals - point, axis=1) < apart):
                     found[int(goal)] = (*path, wall)
         level = following
@@ -110,13 +131,19 @@ def _apart(lattice: Lattice) -> float:
     """A distance in R^4 below which two points of the orbit of the origin are the same.
 
     A ball about the origin as large as the nearest wall allows meets none of its images, so orbit points are
-    at least twice that apart: 2 |wall . o| in e3, and as a chord in R^4 in s3 and h3.
+    at least twice that apart: 2 |wall . o| in e3, and as a chord in R^4 in s3 and h3. In a prism the points
+    of the orbit on the base are so far apart, and those over one of them along the fibre.
     """
-    return 0.5 * float(np.min(np.abs(lattice.walls[:, 3])))
+    return 0.5 * float(np.min(np.abs(lattice.heights(lattice.centre))))
+
+
+def _points(lattice: Lattice, found: Array) -> Array:
+    """The points (...,4) where elements (...,n,n) carry the origin."""
+    return act(lattice.geometry, found, lattice.centre)
 
 
 def _radii(lattice: Lattice, found: Array) -> Array:
-    return orbit_radius(lattice.geometry, found @ ORIGIN)
+    return orbit_radius(lattice.geometry, _points(lattice, found))
 
 
 def _accept(
@@ -125,7 +152,7 @@ def _accept(
     """Add the elements found[parents] inverse(maps[walls]) that are new; they are also returned alone."""
     if len(points):
         apart = _apart(lattice)
-        known, _ = cKDTree(found @ ORIGIN).query(points, distance_upper_bound=apart)
+        known, _ = cKDTree(_points(lattice, found)).query(points, distance_upper_bound=apart)
         parents, walls, points = (part[np.isinf(known)] for part in (parents, walls, points))
     if len(points):
         # Keep the first of every group of equal points.
@@ -133,7 +160,7 @@ def _accept(
         repeated = np.zeros(len(points), dtype=bool)
         repeated[pairs.max(axis=1)] = True
         parents, walls = parents[~repeated], walls[~repeated]
-    fresh = found[parents] @ lattice.inverses[walls]
+    fresh = compose(lattice.geometry, found[parents], lattice.inverses[walls])
     return np.concatenate([found, fresh]), fresh
 
 
@@ -144,5 +171,5 @@ def _order(lattice: Lattice, found: Array) -> NDArray[np.intp]:
     level = np.zeros(len(found), dtype=np.intp)
     level[by_radius[1:]] = np.cumsum(np.diff(radii[by_radius]) > TIE)
     # Coordinates that are equal but for rounding must compare as equal.
-    x, y, z, w = (np.round(found @ ORIGIN, 6) + 0.0).T
+    x, y, z, w = (np.round(_points(lattice, found), 6) + 0.0).T
     return np.lexsort((-w, -z, -y, -x, -abs(z), -abs(y), -abs(x), level))

@@ -13,7 +13,8 @@ from typing import Literal
 
 import numpy as np
 
-from thurston_cl.lattice.isometry import Array, curvature, dot, on_model
+from thurston_cl.lattice.forms import Array, curvature, dot
+from thurston_cl.lattice.isometry import on_model
 
 Kind = Literal["finite", "ideal", "hyperideal"]
 Key = tuple[int, ...]

@@ -11,7 +11,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError
 
 from .context import Context, context_of
 from .parse import Location
-from .suggest import listing, nearest
+from .suggest import blank_after_colon, listing, nearest
 
 # The type of error whose message is ready to be shown; every other type is pydantic's and gets translated.
 READY = "scene"
@@ -79,7 +79,8 @@ class Node(BaseModel):
         if isinstance(data, cls):
             return data
         if not isinstance(data, dict):
-            raise problem(f"expected {cls.what}, found {shown(data)}", cls._for_example())
+            help = blank_after_colon(data, cls.keys()) if isinstance(data, str) else None
+            raise problem(f"expected {cls.what}, found {shown(data)}", help or cls._for_example())
         keys = cls.keys()
         problems = list(cls._wrong_keys(data))
         known = {key: value for key, value in data.items() if key in keys and value is not None}
@@ -107,8 +108,13 @@ class Node(BaseModel):
     def _wrong_keys(cls, data: dict[str, Any]) -> Iterator[Problem]:
         keys = cls.keys()
         unknown = [key for key in data if key not in keys]
+        # A bracket is read as text, and a comma inside it ends that text.
+        cut = any(isinstance(value, str) and value.count("(") > value.count(")") for value in data.values())
         for key in unknown:
-            yield Problem((key,), f"unknown key '{key}'", cls._meant(key), key=True)
+            help = cls._meant(key)
+            if cut and data[key] is None:
+                help = "is it part of the text before it? Put quotes around a text that has commas"
+            yield Problem((key,), f"unknown key '{key}'", help, key=True)
         for key, value in data.items():
             if value is None and key in keys:
                 help = "give it a value or leave it out"
@@ -135,6 +141,8 @@ class Node(BaseModel):
         keys = cls.keys()
         if key in cls.hints:
             return cls.hints[key]
+        if help := blank_after_colon(key, keys):
+            return help
         if key.isdecimal():
             return f"a number has a decimal point, not a comma: is it .{key}?"
         nodes = {outer: node_of(cls, name) for outer, name in keys.items()}

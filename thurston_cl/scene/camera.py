@@ -107,8 +107,10 @@ class Projection(Node):
 
 # Where the camera stands and looks if the scene does not say. In a manifold beside the middle of the cell,
 # where tiles and balls leave room, and askew; lengths are multiples of the distance from the middle to the
-# nearest wall. In the whole space facing the origin.
+# nearest wall. In a cell that is open to all sides, up along the images above it, for there are no others.
+# In the whole space facing the origin.
 IN_MANIFOLD: Mapping[str, Any] = {"at": (-0.68, -0.5, 0.35), "look": {"along": (1, 0.5, -0.2)}}
+IN_COLUMN: Mapping[str, Any] = {"at": (-0.8, -0.48, -0.3), "look": {"to": (0, 0, 0.67)}}
 IN_WHOLE_SPACE: Mapping[str, Any] = {"at": (-1.3, -0.5, 0.4), "look": {"to": (0, 0, 0)}}
 
 
@@ -121,7 +123,7 @@ class Camera(Node):
     at: Point = Field(
         default=(0.0, 0.0, 0.0),
         description="Where the camera stands. Left out: in a manifold beside the middle of the cell, looking "
-        "past it; in the whole space at [-1.3, -0.5, 0.4], looking at the origin.",
+        "past it, or up a column of cells; in the whole space at [-1.3, -0.5, 0.4], looking at the origin.",
         json_schema_extra={"default": "see there"},
     )
     look: Look = Field(default=Look(), description="Which way it looks.")
@@ -144,6 +146,10 @@ class Camera(Node):
         if "at" not in data:
             view, unit = IN_WHOLE_SPACE, 1.0
             if context.lattice is not None:
-                view, unit = IN_MANIFOLD, context.lattice.inradius
+                open_to_all_sides = len(context.lattice.level_walls) == len(context.lattice.walls)
+                view, unit = IN_COLUMN if open_to_all_sides else IN_MANIFOLD, context.lattice.inradius
             data["at"] = [unit * component for component in view["at"]]
-            data.setdefault("look", {key: list(value) for key, value in view["look"].items()})
+            look = {key: list(value) for key, value in view["look"].items()}
+            if "to" in look:
+                look["to"] = [unit * component for component in look["to"]]
+            data.setdefault("look", look)

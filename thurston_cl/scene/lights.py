@@ -9,11 +9,11 @@ from .base import Node, Problem, problem, shown
 from .context import Context
 from .points import Point
 from .suggest import did_you_mean
-from .values import Also, ColorValue, Count, Positive, Says, color
+from .values import Also, ColorValue, Count, Flag, Positive, Says, color
 
 
 class PointLight(Node):
-    """A light that shines from one point in all directions; it fades as 1/area density of the geometry."""
+    """A light that shines from one point in all directions, along geodesics."""
 
     what = "a point light"
     example = 'point: {at: [0, 0, 1], color: "#ffddaa", intensity: 2}'
@@ -23,11 +23,18 @@ class PointLight(Node):
     at: Point = Field(description="Where it stands.")
     color: ColorValue = Field(default=color("white"), description="Its color.")
     intensity: Positive = Field(
-        default=1.0, description="Its strength; 1 gives full light at area density 1."
+        default=1.0,
+        description="Its strength; 1 gives full light where the falloff is 1: at area density 1 or length 1.",
+    )
+    falloff: Literal["area", "inverse", "constant"] = Field(
+        default="area",
+        description="How it fades with the length of the geodesic: `area` is what the geometry does, 1/area "
+        "density; `inverse` is 1/length; `constant` does not fade (paper, 5.9).",
     )
     geodesics: Count = Field(
         default=1,
-        description="Along how many geodesics it shines, shortest first. Default 2 in s3; elsewhere 1.",
+        description="Along how many geodesics it shines, shortest first. Default 2 in s3 and s2xe; "
+        "elsewhere 1. In e3, h3 and h2xe there is one.",
     )
     translates: Annotated[
         Count | Literal["neighbours"],
@@ -39,21 +46,31 @@ class PointLight(Node):
         description="In a manifold: how many images of the light count. 1 is the one in the cell itself; "
         "`neighbours` adds those in the cells around it. Without a manifold there is one.",
     )
+    repeated: Flag = Field(
+        default=True,
+        description="In a manifold: whether one such light stands in every cell. `false`: in the whole "
+        "tiling there is this one only, seen as far as the 4096 cells next to the camera; others are dark.",
+    )
 
     @classmethod
     def fill(cls, data: dict[str, Any], context: Context) -> None:
-        data.setdefault("geodesics", 2 if context.geometry == "s3" else 1)
+        data.setdefault("geodesics", 2 if context.geometry in ("s3", "s2xe") else 1)
         if not context.manifold:
             data.setdefault("translates", 1)
 
     def check(self, context: Context) -> Iterator[Problem]:
-        if context.geometry in ("e3", "h3") and self.geodesics > 1:
+        if context.geometry in ("e3", "h3", "h2xe") and self.geodesics > 1:
             message = f"in {context.geometry} only one geodesic joins two points, not {self.geodesics}"
             yield Problem(("geodesics",), message, "leave it out")
         if context.geometry is not None and not context.manifold and self.translates != 1:
             yield Problem(
                 ("translates",), "translates needs a manifold", "leave it out, or add 'manifold: NAME'", True
             )
+        if not self.repeated and context.geometry is not None and not context.manifold:
+            yield Problem(("repeated",), "without a manifold no light is repeated", "leave it out", True)
+        elif not self.repeated and "translates" in self.model_fields_set:
+            message = "a light that is not repeated has no translates"
+            yield Problem(("translates",), message, "leave one of the two out", True)
 
 
 def _translates(value: Any) -> Any:

@@ -18,6 +18,7 @@ from .overrides import apply_sets, names_used, read_overrides, substitute
 from .parse import MAX_BYTES, Location, parse
 from .schema import Scene
 from .source import SceneSource
+from .suggest import blank_after_colon
 from .values import PARAM_PATTERN
 
 
@@ -59,9 +60,9 @@ def load_text(
         raise source.report(diagnostics)
     if not isinstance(document.data, dict):
         what = "is empty" if document.data is None else "is not a mapping of keys"
-        diagnostics.append(
-            source.diagnostic((), f"the scene {what}", "it starts with 'geometry:' and 'objects:'")
-        )
+        help = blank_after_colon(str(document.data), Scene.model_fields)
+        help = help or "it starts with 'geometry:' and 'objects:'"
+        diagnostics.append(source.diagnostic((), f"the scene {what}", help))
         raise source.report(diagnostics)
 
     used_before = names_used(document.data)

@@ -1,9 +1,12 @@
 """How to measure distance near the walls of a cell (paper 4.2), and which images of an object that takes."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice, elements
+from thurston_cl.lattice.isometry import BASE_CURVATURE, act, compose, fibre, inverse, origin
 from thurston_cl.scene import schema
 from thurston_cl.scene.placement import Placement
 
@@ -13,6 +16,8 @@ Array = NDArray[np.float64]
 SEARCHED = 1000
 # How far outside the domain a point of an edge may be and still be on it: far above rounding.
 ON_EDGE = 1e-9
+# Matrices that agree to so many digits after the point are the same: far above rounding, far below a lattice.
+SAME_DIGITS = 6
 
 
 def choose_near_walls(scene: schema.Scene) -> str:
@@ -58,54 +63,108 @@ def is_hollow(solid: schema.Solid) -> bool:
             return False
 
 
-def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice, place: Placement) -> Array:
-    """The group elements (M,4,4) besides 1 by which a solid is seen from the cell.
+@dataclass(frozen=True)
+class _Bound:
+    """A ball, or the solid cylinder about the fibre through its centre, that holds a solid."""
 
-    `frame` (4,4) carries what the solid belongs to into the cell.
+    centre: Array
+    radius: float
+    vertical: bool
+
+
+def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice, place: Placement) -> Array:
+    """The group elements (M,n,n) besides 1 by which a solid is seen from the cell.
+
+    `frame` (n,n) carries what the solid belongs to into the cell.
     """
+    geometry = lattice.geometry
     if is_hollow(solid) or near_walls in ("whole space", "domain", "creeping"):
-        return np.empty((0, 4, 4))
+        return lattice.inverses[:0]
     if near_walls in ("neighbours", "both"):
         return lattice.inverses
-    balls = _bounding_balls(solid, frame, place)
-    if balls is None:
+    bounds = _bounds(solid, frame, place)
+    if bounds is None:
         return _around_edges(lattice)
     near = elements(lattice, count=SEARCHED)[1:]
     reached = np.zeros(len(near), dtype=bool)
-    for centre, radius in balls:
+    for bound in bounds:
+        centres = act(geometry, near, bound.centre)
+        if bound.vertical:
+            centres = on_base(geometry, centres)
         # The height over one wall is a quick lower bound.
-        for k in np.flatnonzero(lattice.clearance(near @ centre) > -radius):
-            reached[k] |= lattice.distance_from(near[k] @ centre) < radius
-    return np.asarray(near[reached])
+        for k in np.flatnonzero(lattice.clearance(centres) > -bound.radius):
+            reached[k] |= lattice.distance_from(centres[k]) < bound.radius
+    near = near[reached]
+    return _one_a_base(geometry, near) if all(bound.vertical for bound in bounds) else near
 
 
-def _bounding_balls(solid: schema.Solid, outer: Array, place: Placement) -> list[tuple[Array, float]] | None:
-    """Balls (centre (4,), radius) that hold a solid together; None for a solid without bound."""
-    frame = outer @ place.isometry(solid.at, solid.rotate)
+def balls_over_walls(lattice: Lattice, centres: Array, radius: float) -> Array:
+    """The images (M,4) of centres (N,4) of balls, besides these themselves, whose balls reach into the cell.
+
+    In a Dirichlet domain there are none: what such a ball covers there, that about the cell's own centre does.
+    """
+    if lattice.is_dirichlet:
+        return centres[:0]
+    near = elements(lattice, count=SEARCHED)[1:]
+    found = act(lattice.geometry, near[:, None], centres[None]).reshape(-1, centres.shape[1])
+    found = found[lattice.clearance(found) > -radius]
+    known = [tuple(row) for row in np.round(centres, SAME_DIGITS) + 0.0]
+    new: dict[tuple[float, ...], Array] = {}
+    for point in found:
+        key = tuple(np.round(point, SAME_DIGITS) + 0.0)
+        if key not in known and key not in new and lattice.distance_from(point) < radius:
+            new[key] = point
+    return np.array(list(new.values())).reshape(-1, centres.shape[1])
+
+
+def on_base(geometry: str, points: Array) -> Array:
+    """Points (N,4) of a fibred geometry moved along their fibres to coordinate 0."""
+    moved = points.copy()
+    moved[:, fibre(geometry)] = 0.0
+    return moved
+
+
+def _one_a_base(geometry: str, found: Array) -> Array:
+    """Of elements (M,n,n) that act alike on the base one each, and none that acts as 1: from all of them a
+    vertical solid looks the same.
+    """
+    size = 2 if geometry == "nil" else 3
+    columns = [0, 1, 3] if geometry == "nil" else [0, 1, 2]
+    base = np.concatenate([np.eye(size, len(columns))[None], found[:, :size][:, :, columns]])
+    _, first = np.unique(np.round(base.reshape(len(base), -1), SAME_DIGITS) + 0.0, axis=0, return_index=True)
+    return found[np.sort(first[first > 0]) - 1]
+
+
+def _bounds(solid: schema.Solid, outer: Array, place: Placement) -> list[_Bound] | None:
+    """What holds a solid together; None for a solid without bound."""
+    geometry = place.geometry.name
+    frame = compose(geometry, outer, place.isometry(solid.at, solid.rotate))
     match solid.kind:
         case "ball":
-            return [(frame[:, 3], solid.shape.radius)]
+            return [_Bound(act(geometry, frame, origin(geometry)), solid.shape.radius, False)]
+        case "cylinder" if geometry in BASE_CURVATURE and solid.shape.along[2] != 0:
+            return [_Bound(act(geometry, frame, origin(geometry)), solid.shape.radius, True)]
         case "union":
-            members = [_bounding_balls(member, frame, place) for member in solid.shape]
+            members = [_bounds(member, frame, place) for member in solid.shape]
             if None in members:
                 return None
-            return [ball for member in members if member is not None for ball in member]
+            return [bound for member in members if member is not None for bound in member]
         case "intersection":
-            members = [_bounding_balls(member, frame, place) for member in solid.shape]
+            members = [_bounds(member, frame, place) for member in solid.shape]
             return next((member for member in members if member is not None), None)
         case "difference":
-            return _bounding_balls(solid.shape[0], frame, place)
+            return _bounds(solid.shape[0], frame, place)
         case _:
             return None
 
 
 def _around_edges(lattice: Lattice) -> Array:
-    """The elements (M,4,4) besides 1 whose cells share a face or an edge with the domain."""
+    """The elements (M,n,n) besides 1 whose cells share a face or an edge with the domain."""
+    geometry = lattice.geometry
     middles = np.array([edge.point for edge in lattice.polyhedron.edges]).reshape(-1, 4)
     near = elements(lattice, count=SEARCHED)[1:]
-    back = np.einsum("gij,ej->gei", np.linalg.inv(near), middles)
+    back = act(geometry, inverse(geometry, near)[:, None], middles[None])
     shared = lattice.contains(back, ON_EDGE).any(axis=1)
-    apart = (
-        np.abs(near[:, None] - lattice.inverses[None]).reshape(len(near), len(lattice.walls), 16).max(axis=2)
-    )
+    differences = np.abs(near[:, None] - lattice.inverses[None])
+    apart = differences.reshape(len(near), len(lattice.walls), -1).max(axis=2)
     return np.asarray(near[shared | (apart.min(axis=1) < ON_EDGE)])

@@ -5,6 +5,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+# The fifth homogeneous coordinate of a point.
+ONE = "1"
+
 
 class Numbers:
     """Collects the numbers of a scene and says where each stands.
@@ -29,12 +32,14 @@ class Numbers:
         return f"number(scene, {self.add([value])})"
 
     def linear(self, coefficients: Sequence[float] | NDArray[np.float64], variables: Sequence[str]) -> str:
-        """The text of a linear form, without the terms that are 0."""
+        """The text of a linear form, without the terms that are 0; the variable ONE may stand last."""
         text = ""
         for coefficient, variable in reversed(list(zip(coefficients, variables, strict=True))):
             if coefficient == 0:
                 continue
-            if not text:
+            if variable == ONE:
+                text = self.term(coefficient)
+            elif not text:
                 text = {1.0: variable, -1.0: f"-{variable}"}.get(
                     float(coefficient), f"{self.term(coefficient)} * {variable}"
                 )
@@ -49,6 +54,11 @@ class Numbers:
     def rows(self, matrix: NDArray[np.float64], variables: Sequence[str]) -> str:
         """The text of a matrix times a vector, as an initialiser."""
         return "{" + ", ".join(self.linear(row, variables) for row in matrix) + "}"
+
+
+def homogeneous(name: str, dimension: int) -> tuple[str, ...]:
+    """The homogeneous coordinates of a point: its four components, and 1 where there are five."""
+    return (*components(name), ONE)[:dimension]
 
 
 def components(name: str) -> tuple[str, str, str, str]:

@@ -95,7 +95,7 @@ def parse(text: str) -> Document:
         )
         document.complete = False
     except MarkedYAMLError as error:
-        document.mistakes.append(_syntax_mistake(error, builder.open_bracket()))
+        document.mistakes.append(_syntax_mistake(error, builder.open_bracket(), split_lines(text)))
         document.complete = False
     return document
 
@@ -276,6 +276,9 @@ def _mark(event: Event) -> tuple[int, int]:
     return event.start_mark.line, event.start_mark.column
 
 
+# Longer values are not repeated in a help line.
+_LONGEST_VALUE = 40
+
 # What the YAML reader says -> what an illustrator can act on.
 _SYNTAX = (
     ("cannot start any token", "this character cannot start a value", "put quotes around the text"),
@@ -298,7 +301,7 @@ _SYNTAX = (
 )
 
 
-def _syntax_mistake(error: MarkedYAMLError, bracket: tuple[int, int] | None) -> Mistake:
+def _syntax_mistake(error: MarkedYAMLError, bracket: tuple[int, int] | None, lines: list[str]) -> Mistake:
     opened, found = error.context_mark, error.problem_mark or error.context_mark
     context = error.context or ""
     problem = (error.problem or context or "it cannot be read").split("\n")[0].strip()
@@ -309,6 +312,8 @@ def _syntax_mistake(error: MarkedYAMLError, bracket: tuple[int, int] | None) -> 
         return Mistake(
             (opened.line, opened.column), "not valid YAML: the quote that opens here is not closed"
         )
+    if joined := _joined_key(mark, problem, lines):
+        return joined
     if bracket is not None and "parsing a flow" in context:
         if "stream end" in problem:
             return Mistake(bracket, "not valid YAML: the bracket that opens here is not closed")
@@ -320,3 +325,27 @@ def _syntax_mistake(error: MarkedYAMLError, bracket: tuple[int, int] | None) -> 
         if sign in problem:
             return Mistake(mark, f"not valid YAML: {message}", help)
     return Mistake(mark, f"not valid YAML: {problem}")
+
+
+def _joined_key(mark: tuple[int, int], problem: str, lines: list[str]) -> Mistake | None:
+    """The blank that is missing after a colon, if that is what upset the reader at `mark`: it took the key
+    and its value for one text, and the lines below for the rest of it."""
+    line, column = mark
+    here = lines[line] if line < len(lines) else ""
+    if inside := re.search(r"([A-Za-z_][\w-]*):$", here[:column]):
+        return _blank_needed((line, column), inside[1], "...")
+    found = None
+    if "mapping values are not allowed" in problem or "could not find expected ':'" in problem:
+        for number in range(line - 1, -1, -1):
+            if not lines[number].strip():
+                continue
+            key = re.match(r"\s*(?:- +)*([A-Za-z_][\w-]*):(?!//)(?=\S)", lines[number])
+            if key is None:
+                break
+            found = _blank_needed((number, key.end()), key[1], lines[number][key.end() :])
+    return found
+
+
+def _blank_needed(mark: tuple[int, int], key: str, value: str) -> Mistake:
+    value = value.strip() if len(value) <= _LONGEST_VALUE else "..."
+    return Mistake(mark, "a blank is missing after the colon", f"write '{key}: {value}'")

@@ -10,7 +10,17 @@ from scipy.spatial.transform import Rotation
 
 from thurston_cl.geometry import Geometry
 from thurston_cl.lattice import Lattice
-from thurston_cl.lattice.isometry import on_model, snap
+from thurston_cl.lattice.isometry import (
+    TWISTED,
+    act,
+    compose,
+    identity,
+    on_model,
+    origin,
+    snap,
+    stabilizer,
+    vector_map,
+)
 from thurston_cl.scene import schema
 
 Array = NDArray[np.float64]
@@ -18,25 +28,8 @@ Array = NDArray[np.float64]
 PARALLEL = 1e-9
 # Coordinates beyond this have lost all digits of what is near them; in h3, 27 from the origin.
 FARTHEST = 1e12
+X_AXIS = np.array([1.0, 0.0, 0.0])
 Z_AXIS = np.array([0.0, 0.0, 1.0])
-
-
-def block(rotation: Array) -> Array:
-    """A 3x3 matrix as the isometry (4,4) that it is about the origin."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation
-    return snap(matrix)
-
-
-def turn_to(direction: Iterable[float]) -> Array:
-    """The smallest rotation (4,4) about the origin that turns the z-axis to `direction`."""
-    goal = np.asarray(tuple(direction), dtype=np.float64)
-    goal = goal / np.linalg.norm(goal)
-    axis = np.cross(Z_AXIS, goal)
-    sine, cosine = float(np.linalg.norm(axis)), float(goal[2])
-    if sine == 0:
-        return block(np.diag([1.0, cosine, cosine]))
-    return block(Rotation.from_rotvec(axis / sine * np.arctan2(sine, cosine)).as_matrix())
 
 
 class Placement:
@@ -47,12 +40,13 @@ class Placement:
 
     def point(self, where: "schema.ModelPoint | tuple[float, float, float]") -> Array:
         """The point (4,) that a scene means: flowed to from the origin, or given by its coordinates."""
+        name = self.geometry.name
         if isinstance(where, schema.ModelPoint):
-            return on_model(self.geometry.name, np.array([where.model]))[0]
+            return on_model(name, np.array([where.model]))[0]
         vector = np.asarray(where, dtype=np.float64)
         length = float(np.linalg.norm(vector))
         if length == 0:
-            return np.array([0.0, 0.0, 0.0, 1.0])
+            return origin(name)
         point = self.geometry.flow(vector / length, length)[0][0]
         if not np.all(np.abs(point) < FARTHEST):
             raise ValueError("this point is too far away to be computed with")
@@ -61,18 +55,37 @@ class Placement:
     def isometry(
         self, where: "schema.ModelPoint | tuple[float, float, float]", turns: Iterable[schema.Rotation] = ()
     ) -> Array:
-        """The isometry (4,4) that turns about the origin and then carries the origin to a point."""
-        matrix = np.eye(4)
+        """The isometry (n,n) that turns about the origin and then carries the origin to a point."""
+        name = self.geometry.name
+        matrix = identity(name)
         for turn in turns:
             axis = np.asarray(turn.axis, dtype=np.float64)
-            matrix = (
-                block(Rotation.from_rotvec(axis / np.linalg.norm(axis) * turn.angle).as_matrix()) @ matrix
-            )
+            rotation = Rotation.from_rotvec(axis / np.linalg.norm(axis) * turn.angle).as_matrix()
+            matrix = compose(name, stabilizer(name, snap(rotation)), matrix)
         translation = self.geometry.translation_matrix(self.point(where))[0]
         if np.linalg.det(translation) < 0:
             # The antipode of the origin of s3: any rotation that leads there will do, a reflection will not.
             translation = np.diag([-1.0, 1.0, 1.0, -1.0])
-        return snap(translation @ matrix)
+        return snap(compose(name, translation, matrix))
+
+    def vectors(self, point: Array) -> Array:
+        """The frame at a point (4,) as vectors (3,4) in the form that the kernels march with."""
+        return np.eye(3, 4) if self.geometry.name in TWISTED else self.geometry.velocity(point, np.eye(3))
+
+    def turn(self, start: Iterable[float], goal: Iterable[float]) -> Array:
+        """The smallest rotation (n,n) about the origin that turns one axis to a direction. In the fibred
+        geometries it has to keep the fibre: both are along it, or both across.
+        """
+        a, b = (np.asarray(tuple(v), dtype=np.float64) / np.linalg.norm(tuple(v)) for v in (start, goal))
+        axis, cosine = np.cross(a, b), float(a @ b)
+        sine = float(np.linalg.norm(axis))
+        if sine > 0:
+            matrix = Rotation.from_rotvec(axis / sine * np.arctan2(sine, cosine)).as_matrix()
+        else:
+            # A half turn may be about any axis across: take a coordinate axis.
+            across = X_AXIS if abs(a[0]) < abs(a[2]) else Z_AXIS
+            matrix = np.eye(3) if cosine > 0 else 2.0 * np.outer(across, across) - np.eye(3)
+        return stabilizer(self.geometry.name, snap(matrix))
 
 
 class CameraFrame:
@@ -80,6 +93,7 @@ class CameraFrame:
 
     def __init__(self, camera: schema.Camera, place: Placement) -> None:
         self._place = place
+        self._element = identity(place.geometry.name)
         self.point = place.point(camera.at)
         forward = np.asarray(camera.look.along, dtype=np.float64)
         if camera.look.to is not None:
@@ -111,8 +125,12 @@ class CameraFrame:
     def carry(self, lattice: Lattice) -> bool:
         """Lead the camera into the cell by a group element; False where it finds no way there."""
         point, element, ok = lattice.teleport(self.point[None])
-        matrix = self._place.geometry.translation_matrix
         # In the frames at both ends the element is a rotation or a reflection.
-        turn = np.linalg.solve(matrix(point)[0], element[0] @ matrix(self.point)[0])[:3, :3]
-        self.point, self.frame = point[0], self.frame @ turn.T
+        carried = self._place.vectors(self.point) @ vector_map(lattice.geometry, element[0]).T
+        turn = np.linalg.lstsq(self._place.vectors(point[0]).T, carried.T, rcond=None)[0]
+        self.point, self.frame, self._element = point[0], self.frame @ turn.T, element[0]
         return bool(ok[0])
+
+    def carry_along(self, point: Array) -> Array:
+        """A point (4,) moved by the group element that led the camera into the cell."""
+        return act(self._place.geometry.name, self._element, point)

@@ -12,6 +12,7 @@ from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
 from thurston_cl.lattice import cell_table
+from thurston_cl.lattice.prism import Prism
 from thurston_cl.program import Source, geometry_parts
 from thurston_cl.scene import schema
 from thurston_cl.scene.near_walls import choose_near_walls
@@ -22,16 +23,20 @@ from thurston_cl.scene.write_objects import write_objects
 from thurston_cl.scene.write_walls import write_walls
 from thurston_cl.scene.writer import Writer
 
-# How far a ray goes where the scene does not say. In s3 a ray is back where it began. In h3 nearby directions
-# part like e^t, so that single precision, with log(1/EPSILON) = 16, has no digits left beyond 15. A cell of
-# finite volume has something to hit in every direction, and no background: there a ray goes on, and what it
-# shows beyond 15 is finer than any pixel.
-FAR = {"e3": 100.0, "s3": 2 * np.pi, "h3": 15.0}
-FAR_IN_FINITE_CELL = FAR | {"h3": 40.0}
+# How far a ray goes where the scene does not say. In s3 a ray is back where it began. In h3, h2xe and sl2
+# nearby directions part like e^t, so that single precision, with log(1/EPSILON) = 16, has no digits left
+# beyond 15. A cell of finite volume has something to hit in every direction, and no background: there a ray
+# goes on, and what it shows beyond 15 is finer than any pixel.
+FAR = {"e3": 100.0, "s3": 2 * np.pi, "h3": 15.0, "s2xe": 100.0, "h2xe": 15.0, "nil": 100.0, "sl2": 15.0}
+FAR_IN_FINITE_CELL = FAR | dict.fromkeys(("h3", "h2xe", "sl2"), 40.0)
 
 # Cells with a number of their own; those farther away share the last. 4096 numbers fit half of a second-level
 # cache.
 CELL_TABLE = 4096
+# In a fibred geometry a light that is not repeated is seen along the fibre from cells that are far more than
+# 4096 away, and over a hyperbolic base so many lie beside each other: the table has whole columns, as high as
+# rays go, over the nearest cells of the base. Beyond these windows are finer than a pixel.
+LIT_CELLS = 131072
 
 # What a scene may name, and the file that is pasted only then.
 EFFECT_FILES = {
@@ -39,22 +44,35 @@ EFFECT_FILES = {
     "exponential fog": "light/fog_exponential.h",
     "checker": "pattern/checker.h",
     "grid": "pattern/grid.h",
+    "bands": "pattern/bands.h",
+    "light fading as 1/length": "light/falloff_inverse.h",
+    "light that does not fade": "light/falloff_constant.h",
     "cell ids": "cells.h",
 }
 
 
 # Shadows build on lights; fog comes last.
-EFFECT_ORDER = ("light/point.h", "light/hard_shadow.h", "light/fog_exponential.h")
+EFFECT_ORDER = (
+    "light/point.h",
+    "light/falloff_area.h",
+    "light/falloff_inverse.h",
+    "light/falloff_constant.h",
+    "light/hard_shadow.h",
+    "light/fog_exponential.h",
+)
 
 
 @dataclass
 class Plan:
-    """One program for one scene, with its numbers. `numbers` and `next_cell` fill the kernels' buffers."""
+    """One program for one scene, with its numbers. `numbers`, `next_cell` and `seen_from` fill the kernels'
+    buffers.
+    """
 
     scene: schema.Scene
     source: Source
     numbers: NDArray[np.float64]
     next_cell: NDArray[np.int32]
+    seen_from: NDArray[np.float64]
     near_walls: str
     object_images: int
     light_images: int
@@ -122,8 +140,8 @@ def make_plan(
     geometry = Geometry(scene.geometry, "double" if device.info.fp64 else "single", device)
     numbers = Numbers([scene.render.threshold, _far(scene)])
     place = Placement(geometry)
-    cell_ids = "cell" in wanted and scene.lattice is not None
-    writer = Writer(scene, geometry, numbers, choose_near_walls(scene), cell_ids)
+    cells, next_cell = _cells(scene, wanted)
+    writer = Writer(scene, geometry, numbers, choose_near_walls(scene), cells)
     camera = _camera(scene, place)
 
     write_walls(writer)
@@ -132,11 +150,20 @@ def make_plan(
     objects = writer.text()
     light_images = write_lights(writer, camera)
     write_air(writer)
-    defines, next_cell = _quotient(writer)
+    if writer.cell_ids:
+        writer.parts.add("cells.h")
     generated = {"scene objects": objects, "scene light": writer.text()}
-    source = Source(_order(scene.geometry, writer.parts), defines, generated)
+    source = Source(_order(scene.geometry, writer.parts), _defines(writer), generated)
     return Plan(
-        scene, source, np.array(numbers.values), next_cell, writer.near_walls, object_images, light_images
+        scene,
+        source,
+        np.array(numbers.values),
+        next_cell,
+        # No buffer may be empty.
+        np.array(writer.seen_from).ravel() if writer.seen_from else np.zeros(1),
+        writer.near_walls,
+        object_images,
+        light_images,
     )
 
 
@@ -144,7 +171,7 @@ def _far(scene: schema.Scene) -> float:
     if scene.render.far is not None:
         return scene.render.far
     lattice = scene.lattice
-    finite = lattice is not None and all(v.kind != "hyperideal" for v in lattice.polyhedron.vertices)
+    finite = lattice is not None and lattice.finite_volume
     return (FAR_IN_FINITE_CELL if finite else FAR)[scene.geometry]
 
 
@@ -175,19 +202,29 @@ def _write_camera(writer: Writer, camera: CameraFrame, size: tuple[int, int]) ->
     )
 
 
-def _quotient(writer: Writer) -> tuple[dict[str, str | int], NDArray[np.int32]]:
-    """The defines and the table of cells that a lattice takes."""
+def _cells(scene: schema.Scene, wanted: Collection[str]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """The cells (C,n,n) that rays keep track of and the cells behind their walls; of neither any where no
+    channel and no light asks for it.
+    """
+    if scene.lattice is None or not (
+        "cell" in wanted or any(not light.point.repeated for light in scene.lights)
+    ):
+        return np.zeros((0, 4, 4)), np.zeros((1, 1), np.int32)
+    if isinstance(scene.lattice, Prism) and any(not light.point.repeated for light in scene.lights):
+        return cell_table(scene.lattice, LIT_CELLS, _far(scene))
+    return cell_table(scene.lattice, CELL_TABLE)
+
+
+def _defines(writer: Writer) -> dict[str, str | int]:
+    """The defines that a lattice takes."""
     defines: dict[str, str | int] = {}
-    next_cell = np.zeros((1, 1), np.int32)
     if writer.lattice is not None:
         defines["IN_QUOTIENT"] = 1
         if writer.creeping:
             defines["CREEPING"] = 1
         if writer.cell_ids:
-            _, next_cell = cell_table(writer.lattice, CELL_TABLE)
-            defines |= {"WALLS": len(writer.lattice.walls), "CELLS": len(next_cell)}
-            writer.parts.add("cells.h")
-    return defines, next_cell
+            defines |= {"WALLS": len(writer.lattice.walls), "CELLS": len(writer.cells)}
+    return defines
 
 
 def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:

@@ -21,15 +21,16 @@ class ModelPoint(Node):
     example = "{model: [0, 0, 0, 1]}"
 
     model: Vec4 = Field(
-        description="Coordinates in the model: w = 1 in e3; x² + y² + z² + w² = 1 in s3; "
-        "x² + y² + z² − w² = −1 with w > 0 in h3."
+        description="Coordinates in the model: w = 1 in e3 and nil; x² + y² + z² + w² = 1 in s3; "
+        "x² + y² + z² − w² = −1 with w > 0 in h3; x² + y² + z² = 1 in s2xe and "
+        "x² + y² − z² = −1 with z > 0 in h2xe and sl2, where w is the place on the fibre."
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
         x, y, z, w = self.model
         square = x * x + y * y + z * z
         match context.geometry:
-            case "e3":
+            case "e3" | "nil":
                 off, rule = w - 1, "w = 1"
             case "s3":
                 off, rule = square + w * w - 1, "x² + y² + z² + w² = 1"
@@ -37,6 +38,11 @@ class ModelPoint(Node):
                 # Far out on the sheet both sides are large, so written decimals count relative to them.
                 off = (square + 1 - w * w) / (w * w) if w > 0 else math.inf
                 rule = "w = √(1 + x² + y² + z²)"
+            case "s2xe":
+                off, rule = square - 1, "x² + y² + z² = 1"
+            case "h2xe" | "sl2":
+                off = (x * x + y * y + 1 - z * z) / (z * z) if z > 0 else math.inf
+                rule = "z = √(1 + x² + y²)"
             case _:
                 return
         if abs(off) > _WRITTEN:

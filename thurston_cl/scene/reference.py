@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from .base import Node
+from .base import Node, shown
 from .schema import Scene
 from .values import Color, Says
 
@@ -56,7 +56,7 @@ def _models_in(annotation: Any) -> Iterator[type[Node]]:
 def _section(model: type[Node]) -> str:
     parent = next((base for base in model.__bases__ if issubclass(base, Node) and base.model_fields), None)
     inherited = set(parent.model_fields) if parent else set()
-    lines = [f"### {_heading(model)}", "", model.__doc__ or ""]
+    lines = [f"### {_heading(model)}", "", " ".join((model.__doc__ or "").split())]
     if parent:
         lines += ["", f"Has all keys of a {_link(parent)}, and these:"]
     elif len(model.one_of) > 1:
@@ -129,6 +129,8 @@ def _written(value: Any) -> str:
         return f'"{value.written}"' if value.written.startswith("#") else value.written
     if isinstance(value, tuple):
         return f"[{', '.join(_written(item) for item in value)}]"
+    if isinstance(value, bool):
+        return shown(value)
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

@@ -19,23 +19,35 @@ from .manifold import ManifoldValue, MatrixLattice
 from .parse import Location
 from .points import ModelPoint, Point
 from .settings import Output, RenderSettings, different_files
-from .shapes import Ball, Cylinder, HalfSpace, Horoball, Object, Rotation, Shape, Solid, Tile
+from .shapes import Ball, Cylinder, HalfSpace, Horoball, Object, Rotation, Shape, Slab, Solid, Tile
 from .source import Problems, SceneSource
 from .suggest import nearest
-from .surfaces import Checker, Grid, Material, Pattern
+from .surfaces import Bands, Checker, Grid, Material, Pattern
 from .values import AtLeast, Color, ColorValue, Name, ParamName, ParamValue, Says, color
 
 if TYPE_CHECKING:
     from thurston_cl.lattice import Lattice
 
 FORMAT_VERSION: Literal[1] = 1
-_LATER_GEOMETRIES = ("s2xe", "h2xe", "nil", "sl2", "sol")
+_LATER_GEOMETRIES = ("sol",)
 _LONG_NAMES = {
     "euclidean": "e3",
     "flat": "e3",
     "spherical": "s3",
     "sphere": "s3",
     "hyperbolic": "h3",
+    "s2xr": "s2xe",
+    "s2r": "s2xe",
+    "h2xr": "h2xe",
+    "h2r": "h2xe",
+    "heisenberg": "nil",
+    "nilgeometry": "nil",
+    "nilpotent": "nil",
+    "sl2r": "sl2",
+    "psl2r": "sl2",
+    "sl2tilde": "sl2",
+    "solvable": "sol",
+    "solvgeometry": "sol",
 }
 
 
@@ -53,7 +65,8 @@ def _geometry(value: Any) -> Any:
         if value in _LATER_GEOMETRIES:
             raise problem(f"'{value}' is not rendered yet; available: {available}")
         guess = nearest(value, (*GEOMETRIES, *_LATER_GEOMETRIES, *_LONG_NAMES))
-        help = f"did you mean '{_LONG_NAMES.get(guess, guess)}'?" if guess else None
+        guess = _LONG_NAMES.get(guess or "", guess)
+        help = f"did you mean '{guess}'?" if guess else None
         if guess in _LATER_GEOMETRIES:
             help = f"did you mean '{guess}'? It is not rendered yet"
         raise problem(f"{shown(value)} is not one of: {available}", help)
@@ -76,8 +89,11 @@ class Scene(Node):
         default=FORMAT_VERSION, description="Version of the scene format."
     )
     title: str = Field(default="", description="What the picture shows.")
-    geometry: Annotated[Literal["e3", "s3", "h3"], BeforeValidator(_geometry)] = Field(
-        description="The space: Euclidean, spherical or hyperbolic."
+    geometry: Annotated[
+        Literal["e3", "s3", "h3", "s2xe", "h2xe", "nil", "sl2"], BeforeValidator(_geometry)
+    ] = Field(
+        description="The space: Euclidean, spherical or hyperbolic; the sphere or the hyperbolic plane "
+        "times a line; Nil; the universal cover of SL(2, R)."
     )
     manifold: ManifoldValue | None = Field(
         default=None,
@@ -159,6 +175,7 @@ __all__ = [
     "FORMAT_VERSION",
     "GEOMETRIES",
     "Ball",
+    "Bands",
     "Camera",
     "Checker",
     "Color",
@@ -186,6 +203,7 @@ __all__ = [
     "Rotation",
     "Scene",
     "Shape",
+    "Slab",
     "Solid",
     "Step",
     "Tile",

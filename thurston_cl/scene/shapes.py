@@ -2,15 +2,18 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, ValidationInfo
 
 from .base import Node, Problem, problem, shown
-from .context import Context
+from .context import FIBRED, PRODUCTS, TWISTED, Context, context_of
 from .points import Point
 from .surfaces import Material, MaterialValue
 from .values import Angle, AtLeast, Direction, Number, OneOrMore, Positive, Says
+
+# How far an angle may be off a half turn, in half turns: rounding, since people write '180 deg'.
+_HALF_TURN = 1e-12
 
 
 class Shape(Node):
@@ -30,10 +33,10 @@ class Ball(Shape):
     what = "a ball"
     example = "ball: {radius: 0.4}"
 
-    radius: Positive = Field(description="Radius of the ball; less than π in s3.")
+    radius: Positive = Field(description="Radius of the ball; less than π in s3 and s2xe.")
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _below_in_s3(context, "radius", self.radius, "π", "the radius of a ball")
+        yield from _fits(context, "radius", self.radius, "π", "the radius of a ball")
 
 
 class Cylinder(Shape):
@@ -42,28 +45,86 @@ class Cylinder(Shape):
     what = "a cylinder"
     example = "cylinder: {radius: 0.1, along: [0, 0, 1]}"
 
-    radius: Positive = Field(description="Radius of the cylinder; less than π/2 in s3.")
-    along: Direction = Field(default=(0, 0, 1), description="Direction of the geodesic through the center.")
+    radius: Positive = Field(
+        description="Radius of the cylinder; less than π/2 in s3 and, of a horizontal one, in s2xe; less "
+        "than π about a fibre of s2xe."
+    )
+    along: Direction = Field(
+        default=(0, 0, 1),
+        description="Direction of the geodesic through the center: any in e3, s3 and h3; along the fibre, "
+        "[0, 0, 1], or horizontal, [x, y, 0], in s2xe and h2xe; along the fibre in nil and sl2.",
+    )
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _below_in_s3(context, "radius", self.radius, "π/2", "the radius of a cylinder")
+        if context.geometry in FIBRED:
+            yield from _keeps_fibres(
+                context, "along", self.along, "a cylinder", horizontal=context.geometry in PRODUCTS
+            )
+            if self.along[2] == 0:
+                yield from _fits(context, "radius", self.radius, "π/2", "the radius of a horizontal cylinder")
+            else:
+                yield from _fits(context, "radius", self.radius, "π", "the radius of a cylinder")
+        else:
+            yield from _fits(context, "radius", self.radius, "π/2", "the radius of a cylinder")
 
 
 class HalfSpace(Shape):
-    """All points on one side of a plane: a totally geodesic surface."""
+    """All points on one side of a plane: a totally geodesic surface. In nil and sl2, which have none, it is
+    all fibres over a line of the base, or one level of the fibre coordinate."""
 
     what = "a half-space"
     example = "half-space: {normal: [0, 0, 1], offset: -0.5}"
 
-    normal: Direction = Field(default=(0, 0, 1), description="Points out of the half-space, at the center.")
+    normal: Direction = Field(
+        default=(0, 0, 1),
+        description="Points out of the half-space, at the center. In the fibred geometries s2xe, h2xe, nil "
+        "and sl2 it is [0, 0, ±1], and the plane is horizontal, or [x, y, 0], and the plane is vertical.",
+    )
     offset: Number = Field(
         default=0.0,
         description="How far along the normal the plane stands: it is perpendicular to the geodesic that "
-        "leaves the center along the normal, at this signed distance; between −π/2 and π/2 in s3.",
+        "leaves the center along the normal, at this signed distance; between −π/2 and π/2 in s3 and, of a "
+        "vertical plane, in s2xe.",
+    )
+    crossing: Literal["directed", "bisection"] = Field(
+        default="directed",
+        description="How a ray finds a horizontal plane of nil or sl2, to which no distance is known: by "
+        "`directed` steps, in which this geodesic cannot cross it (paper, 12.3), or by creeping and "
+        "`bisection` (9.7), which overlooks what is entered and left within a step.",
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _below_in_s3(context, "offset", self.offset, "π/2", "an offset, to either side,")
+        yield from _keeps_fibres(context, "normal", self.normal, "the normal of a half-space")
+        if context.geometry == "s3" or self.normal[2] == 0:
+            yield from _fits(context, "offset", self.offset, "π/2", "an offset, to either side,")
+        if "crossing" in self.model_fields_set and context.geometry is not None:
+            if context.geometry not in TWISTED:
+                message = f"in {context.geometry} the distance to a plane is known"
+                yield Problem(("crossing",), message, "leave crossing out", True)
+            elif self.normal[2] == 0:
+                message = "the distance to a vertical plane is known"
+                yield Problem(("crossing",), message, "leave crossing out", True)
+
+
+class Slab(Shape):
+    """All points between two planes that face each other: half-spaces with opposite normals."""
+
+    what = "a slab"
+    example = "slab: {normal: [0, 0, 1], thickness: 0.2}"
+
+    normal: Direction = Field(
+        default=(0, 0, 1),
+        description="Across the slab, at the center, with the choice of a [half-space](#half-space).",
+    )
+    thickness: Positive = Field(
+        description="How far apart the planes are at the center, half of it on either side; less than π in "
+        "s3 and, of vertical planes, in s2xe."
+    )
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        yield from _keeps_fibres(context, "normal", self.normal, "the normal of a slab")
+        if context.geometry == "s3" or self.normal[2] == 0:
+            yield from _fits(context, "thickness", self.thickness, "π", "the thickness of a slab")
 
 
 class Horoball(Shape):
@@ -97,30 +158,86 @@ class Tile(Shape):
     def check(self, context: Context) -> Iterator[Problem]:
         for key, radius in (("ball", self.ball), ("vertices", self.vertices), ("edges", self.edges)):
             if radius is not None:
-                yield from _below_in_s3(context, key, radius, "π", "the radius of a ball")
+                yield from _fits(context, key, radius, "π", "the radius of a ball")
+        if context.lattice is None:
+            return
+        polyhedron = context.lattice.polyhedron
+        if self.vertices is not None:
+            if not polyhedron.vertices:
+                yield Problem(
+                    ("vertices",), "the cell of this manifold has no vertices", "leave it out", True
+                )
+            elif context.geometry in FIBRED and any(v.kind != "finite" for v in polyhedron.vertices):
+                message = "the cell of this manifold has vertices at infinity, where no balls are"
+                yield Problem(("vertices",), message, "leave it out", True)
+        if self.edges is not None and not polyhedron.edges:
+            yield Problem(("edges",), "the cell of this manifold has no edges", "leave it out", True)
 
 
-def _below_in_s3(context: Context, key: str, value: float, bound: str, what: str) -> Iterator[Problem]:
-    """In s3 nothing is further away than π, and no plane or line further than π/2."""
-    if context.geometry == "s3" and abs(value) >= {"π": math.pi, "π/2": math.pi / 2}[bound]:
+def _fits(context: Context, key: str, value: float, bound: str, what: str) -> Iterator[Problem]:
+    """In s3 and on the sphere of s2xe nothing is further away than π, no plane or line further than π/2."""
+    if context.geometry in ("s3", "s2xe") and abs(value) >= {"π": math.pi, "π/2": math.pi / 2}[bound]:
+        message = f"in {context.geometry} {what} is less than {bound}; this is {shown(value)}"
         help = "at that size it fills the whole space, or nothing of it"
-        yield Problem((key,), f"in s3 {what} is less than {bound}; this is {shown(value)}", help)
+        if context.geometry == "s2xe":
+            help = "at that size it meets itself on the far side of the sphere"
+        yield Problem((key,), message, help)
+
+
+def _keeps_fibres(
+    context: Context, key: str, direction: tuple[float, float, float], what: str, horizontal: bool = True
+) -> Iterator[Problem]:
+    """Isometries of the fibred geometries turn no direction along the fibre into another; `horizontal`:
+    whether what is meant can also lie across the fibre."""
+    if context.geometry not in FIBRED:
+        return
+    x, y, fibre = direction
+    if (x == 0 and y == 0) or (horizontal and fibre == 0):
+        return
+    if not horizontal:
+        message = f"in {context.geometry} {what} stands along the fibre, [0, 0, 1]"
+        yield Problem((key,), message, "write [0, 0, 1]")
+        return
+    cure = f"write [0, 0, {math.copysign(1, fibre):g}] or [{x:g}, {y:g}, 0]"
+    message = f"in {context.geometry} {what} is along the fibre, [0, 0, 1], or across it, [x, y, 0]"
+    yield Problem((key,), message, cure)
 
 
 class Rotation(Node):
-    """A turn about a geodesic through the center of the object, right-handed about its axis."""
+    """A turn about a geodesic through the center of the object, right-handed about its axis. In the fibred
+    geometries s2xe, h2xe, nil and sl2 a turn has to keep the fibres."""
 
     what = "a rotation"
     example = "rotate: {axis: [0, 0, 1], angle: 30 deg}"
 
-    axis: Direction = Field(description="The axis.")
-    angle: Angle = Field(description="How far to turn.")
+    axis: Direction = Field(
+        description="The axis: any in e3, s3 and h3; in the fibred geometries [0, 0, ±1], along the fibre, "
+        "or horizontal, [x, y, 0]."
+    )
+    angle: Angle = Field(
+        description="How far to turn; about a horizontal axis of a fibred geometry by 180 deg, which turns "
+        "the fibre over."
+    )
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        yield from _keeps_fibres(context, "axis", self.axis, "the axis of a rotation")
+        if context.geometry in FIBRED and self.axis[2] == 0:
+            halves = self.angle / math.pi
+            if abs(halves - round(halves)) > _HALF_TURN:
+                yield Problem(
+                    ("angle",),
+                    f"about a horizontal axis {context.geometry} can be turned by 180 deg only; this is "
+                    f"{math.degrees(self.angle):.10g} deg",
+                    "write '180 deg', or turn about the fibre: axis: [0, 0, 1]",
+                )
 
 
-def _one_or_more(value: Any) -> Any:
+def _one_or_more(value: Any, info: ValidationInfo) -> Any:
     if not isinstance(value, (dict, list, tuple, Rotation)):
         raise problem(f"expected a rotation, found {shown(value)}", f"for example {Rotation.example}")
-    return value if isinstance(value, (list, tuple)) else (Rotation.model_validate(value),)
+    if isinstance(value, (list, tuple)):
+        return value
+    return (Rotation.model_validate(value, context=context_of(info)),)
 
 
 Rotations = Annotated[
@@ -134,6 +251,7 @@ _SHAPES = (
     "ball",
     "cylinder",
     "half-space",
+    "slab",
     "horoball",
     "tile",
     "union",
@@ -152,13 +270,14 @@ class Solid(Node):
     hints: ClassVar[Mapping[str, str]] = {
         "material": "'material' stands with the outermost shape: an object has one material",
         "name": "'name' stands with the outermost shape",
-        "box": "a box is an intersection of six half-spaces: intersection: [{half-space: ...}, ...]",
-        "cube": "a cube is an intersection of six half-spaces: intersection: [{half-space: ...}, ...]",
+        "box": "a box is an intersection of three slabs: intersection: [{slab: ...}, ...]",
+        "cube": "a cube is an intersection of three slabs: intersection: [{slab: ...}, ...]",
     }
 
     ball: Ball | None = Field(default=None, description="All points within a distance of the center.")
     cylinder: Cylinder | None = Field(default=None, description="All points within a distance of a geodesic.")
     half_space: HalfSpace | None = Field(default=None, alias="half-space", description="One side of a plane.")
+    slab: Slab | None = Field(default=None, description="What lies between two planes.")
     horoball: Horoball | None = Field(default=None, description="A ball that touches infinity; in h3 only.")
     tile: Tile | None = Field(default=None, description="The cell of the manifold with balls removed.")
     union: Annotated[tuple["Solid", ...], AtLeast(1)] | None = Field(
@@ -190,9 +309,7 @@ class Solid(Node):
 
     def check(self, context: Context) -> Iterator[Problem]:
         if self.horoball is not None and context.geometry not in ("h3", None):
-            yield Problem(
-                ("horoball",), f"there are no horoballs in {context.geometry}, only in h3", key=True
-            )
+            yield Problem(("horoball",), f"horoballs are made in h3, not in {context.geometry}", key=True)
         if self.tile is not None and context.geometry is not None and not context.manifold:
             yield Problem(
                 ("tile",), "a tile needs a manifold, whose cell it is", "add 'manifold: NAME'", key=True

@@ -30,6 +30,8 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "exp": ("exponential",),
     "exponent": ("shininess",),
     "eye": ("at",),
+    "fading": ("falloff",),
+    "falls": ("falloff",),
     "fieldofview": ("fov",),
     "filename": ("file",),
     "floor": ("half-space",),
@@ -54,6 +56,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "ks": ("specular",),
     "label": ("name",),
     "lattice": ("manifold",),
+    "layer": ("slab",),
     "layers": ("channels",),
     "lens": ("projection",),
     "location": ("at",),
@@ -76,6 +79,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "path": ("file", "move"),
     "pipe": ("cylinder",),
     "pixels": ("size",),
+    "plate": ("slab",),
     "plane": ("half-space",),
     "pos": ("at",),
     "position": ("at",),
@@ -93,6 +97,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "space": ("geometry",),
     "sphere": ("ball",),
     "spin": ("rotate",),
+    "stripes": ("bands",),
     "spp": ("samples",),
     "squares": ("count",),
     "strength": ("intensity",),
@@ -108,7 +113,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "variables": ("params",),
     "vars": ("params",),
     "walls": ("domain",),
-    "width": ("size",),
+    "width": ("size", "thickness"),
 }
 
 # Below this ratio of common letters a guess is more likely to mislead than to help (difflib's own default).
@@ -144,6 +149,14 @@ def did_you_mean(word: str, candidates: Iterable[str], otherwise: str | None = N
     """A help line for an unknown `word`: the likely candidate, else `otherwise`."""
     guess = nearest(word, candidates)
     return f"did you mean '{guess}'?" if guess else otherwise
+
+
+def blank_after_colon(text: str, keys: Iterable[str]) -> str | None:
+    """A help line for a text such as 'radius:1', which YAML does not read as a key and its value."""
+    key, colon, value = text.partition(":")
+    if not colon or not value or key not in set(keys):
+        return None
+    return f"a blank is missing after the colon: write '{key}: {value}'"
 
 
 def listing(words: Iterable[str], limit: int = 12) -> str:

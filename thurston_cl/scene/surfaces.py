@@ -12,7 +12,9 @@ from .values import (
     NAME_PATTERN,
     PARAM_PATTERN,
     Also,
+    AtLeast,
     ColorValue,
+    Count,
     Fraction,
     Positive,
     Says,
@@ -56,6 +58,26 @@ class Grid(Node):
     )
 
 
+class Bands(Node):
+    """Lines across the first surface coordinate, in colors that take turns."""
+
+    what = "bands"
+    example = "bands: {count: 2, width: 0.1, ground: black, colors: [white, red]}"
+
+    count: Count = Field(
+        default=2,
+        description="How many lines: once around a ball or cylinder; on every other surface for each unit of "
+        "length.",
+    )
+    width: Fraction = Field(default=0.1, description="Width of a line, as a fraction of their distance.")
+    ground: ColorValue = Field(default=color("#335577"), description="The color between the lines.")
+    colors: Annotated[tuple[ColorValue, ...], AtLeast(1)] = Field(
+        default=(color("white"),),
+        description="The colors of the lines: the first is that of line 0, and on both sides of it they take "
+        "turns in this order. Around a ball or cylinder they meet again if their number divides count.",
+    )
+
+
 def _two_colors(value: Any) -> Any:
     if not isinstance(value, (list, tuple)) or len(value) != 2:
         found = f"{len(value)}" if isinstance(value, (list, tuple)) else shown(value)
@@ -68,10 +90,13 @@ class Pattern(Node):
 
     what = "a pattern"
     example = "checker: {count: 8, colors: [white, black]}"
-    one_of = ("checker", "grid")
+    one_of = ("checker", "grid", "bands")
 
     checker: Checker | None = Field(default=None, description="A checkerboard of two colors.")
     grid: Grid | None = Field(default=None, description="Lines in one color on ground of another.")
+    bands: Bands | None = Field(
+        default=None, description="Lines in one direction, in colors that take turns."
+    )
 
 
 def _paint(value: Any, info: ValidationInfo) -> Any:
@@ -96,7 +121,7 @@ Paint = Annotated[
     ColorValue | Pattern,
     BeforeValidator(_paint),
     Also(({"type": "string", "pattern": r"^\$textures\." + NAME_PATTERN[1:]},)),
-    Says("color, pattern `{checker: ...}` or `{grid: ...}`, or the name of a texture, `$textures.NAME`"),
+    Says("color, pattern such as `{checker: ...}`, or the name of a texture, `$textures.NAME`"),
 ]
 
 
@@ -108,6 +133,7 @@ class Material(Node):
     hints: ClassVar[Mapping[str, str]] = {
         "checker": "a pattern is a color: write 'color: {checker: ...}'",
         "grid": "a pattern is a color: write 'color: {grid: ...}'",
+        "bands": "a pattern is a color: write 'color: {bands: ...}'",
         "reflection": "mirrors are not rendered yet",
         "reflectivity": "mirrors are not rendered yet",
         "mirror": "mirrors are not rendered yet",
@@ -150,6 +176,11 @@ def _material(value: Any, info: ValidationInfo) -> Any:
     if value in context.names("materials"):
         return context.entry("materials", value, Material) or Material()
     help = _known_names(value, context, "materials")
+    bare = value.removeprefix("$materials.")
+    if bare != value:
+        help = _known_names(bare, context, "materials")
+        if bare in context.names("materials"):
+            help = f"a material goes by its bare name: write 'material: {bare}'"
     try:
         color(value)
     except ValueError:

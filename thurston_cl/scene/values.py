@@ -69,6 +69,14 @@ def _integer(value: object) -> int:
     return int(number)
 
 
+def _flag(value: object) -> bool:
+    if isinstance(value, bool):
+        return value
+    meant = {"yes": "true", "on": "true", "1": "true", "no": "false", "off": "false", "0": "false"}
+    guess = meant.get(str(value).lower())
+    raise problem(f"expected true or false, found {shown(value)}", guess and f"write {guess}")
+
+
 # The bounds stand before the validators, next to the plain type: only there do they reach the JSON Schema.
 Number = Annotated[float, BeforeValidator(_number), Says("number")]
 Positive = Annotated[float, Gt(0), BeforeValidator(_number), Says("number > 0")]
@@ -78,6 +86,8 @@ Count = Annotated[int, Ge(1), BeforeValidator(_integer), Says("whole number ≥ 
 Pixels = Annotated[int, Ge(1), Le(16384), BeforeValidator(_integer)]
 Samples = Annotated[int, Ge(1), Le(4096), BeforeValidator(_integer), Says("whole number from 1 to 4096")]
 Steps = Annotated[int, Ge(1), Le(100_000), BeforeValidator(_integer), Says("whole number from 1 to 100000")]
+
+Flag = Annotated[bool, BeforeValidator(_flag), Says("`true` or `false`")]
 
 _UNITS = {"deg": math.pi / 180, "rad": 1.0, "turn": 2 * math.pi}
 # Only what float() reads, so that the pattern and the loader accept the same.
@@ -140,6 +150,19 @@ class OneOrMore:
     ) -> dict[str, Any]:
         as_list = handler(schema)
         return {"anyOf": [as_list["items"], as_list]}
+
+
+@dataclass(frozen=True)
+class Lengths:
+    """A list of so many entries, for the JSON Schema; the validator beside it knows which it has to be."""
+
+    least: int
+    most: int
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {**handler(schema), "minItems": self.least, "maxItems": self.most}
 
 
 @dataclass(frozen=True)
@@ -261,6 +284,8 @@ def to_color(value: object) -> Color:
         return color(value)
     if value.startswith("#"):
         raise problem(f"{shown(value)} is not a color", "write #rgb or #rrggbb, with 0-9 and a-f")
+    if re.match(_COLOR_FUNCTION, value, re.IGNORECASE):
+        raise problem(f"{shown(value)} is not a color", _without_function(value))
     if re.fullmatch(r"[0-9a-fA-F]{6}", value):
         raise problem(f"{shown(value)} is not a color", f'did you mean "#{value}"? The quotes are needed')
     if value.lower() in _COLOR_NAMES:
@@ -269,6 +294,18 @@ def to_color(value: object) -> Color:
         f"{shown(value)} is not a color",
         did_you_mean(value, _COLOR_NAMES, 'use a CSS name, "#rrggbb" or [red, green, blue]'),
     )
+
+
+# Ways to write a color in CSS that scenes do without.
+_COLOR_FUNCTION = r"\s*(rgb|hsl|hsv|hwb|lab|lch|oklab|oklch|color)a?\s*\("
+
+
+def _without_function(value: str) -> str:
+    """The cure for a color written as a function of CSS: its code, if that is plain."""
+    numbers = re.fullmatch(r"\s*rgb\(\s*(\d+)[\s,]+(\d+)[\s,]+(\d+)\s*\)\s*", value, re.IGNORECASE)
+    if numbers and max(int(number) for number in numbers.groups()) <= 255:
+        return f'write "#{bytes(int(number) for number in numbers.groups()).hex()}"'
+    return 'functions are not read: write a CSS name, "#rrggbb" or linear [red, green, blue]'
 
 
 def _linear_color(value: list[object]) -> tuple[float, float, float]:

@@ -1,9 +1,13 @@
 """OpenCL text for the light of a scene: its lights, the air between, what is seen where nothing is hit."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice, elements, neighbours
+from thurston_cl.lattice.isometry import act, inverse
 from thurston_cl.scene.placement import CameraFrame
 from thurston_cl.scene.writer import Writer
 
@@ -23,82 +27,109 @@ DEFAULT_LIGHTS_IN_CELL = (
 )
 
 
+@dataclass(frozen=True)
+class _Asked:
+    """What a light asks for. Lights that ask for the same share a loop."""
+
+    geodesics: int = 1
+    shadowed: bool = False
+    falloff: str = "area"
+    repeated: bool = True
+
+
 def write_lights(writer: Writer, camera: CameraFrame) -> int:
-    """One loop over the images of all lights that ask for the same: number of geodesics, shadows or none.
+    """Add scene_light: a loop over the images of all lights that ask for the same.
 
     Returns the number of images in all.
     """
-    loops: dict[tuple[int, bool], list[float]] = {}
+    loops: dict[_Asked, list[tuple[Array, Array]]] = {}
     for k, light in enumerate(writer.scene.lights):
+        point = light.point
+        asked = _Asked(point.geodesics, light.shadows == "hard", point.falloff, point.repeated)
+        color = np.array(point.color.linear) * point.intensity
         try:
-            point = writer.place.point(light.point.at)
+            where = writer.place.point(point.at)
         except ValueError as error:
             raise writer.scene.error_at(("lights", k, "point", "at"), str(error)) from error
-        color = np.array(light.point.color.linear) * light.point.intensity
-        if writer.lattice is not None:
-            carried, _, ok = writer.lattice.teleport(point[None])
+        images = where[None]
+        if writer.lattice is not None and point.repeated:
+            carried, _, ok = writer.lattice.teleport(where[None])
             if not ok[0]:
                 raise writer.scene.error_at(
                     ("lights", k, "point", "at"), "no group element leads this light into the cell"
                 )
-            point = carried[0]
-        loop = loops.setdefault((light.point.geodesics, light.shadows == "hard"), [])
-        for image in _images(writer.lattice, light.point.translates) @ point:
-            loop += [*image, *color]
+            images = _images(writer.lattice, point.translates, carried[0])
+        loops.setdefault(asked, []).extend((image, color) for image in images)
     if not writer.scene.lights:
-        loops[(1, False)] = _default_lights(camera, writer)
+        loops[_Asked()] = _default_lights(camera, writer)
     writer.parts.add("light/point.h")
     body = ["real3_lanes seen = phong_ambient(s);"]
-    total = 0
-    for (geodesics, shadowed), values in loops.items():
-        count = len(values) // 7
-        total += count
-        place = writer.numbers.add(values)
-        body += [
-            f"for (int i = 0; i < {count}; i++) {{",
-            f"  point light = four_numbers(scene, {place} + 7 * i);",
-            f"  for (int k = 0; k < {geodesics}; k++) {{",
-            "    arrival a = point_light(s, light, k);",
-            "    a.lit &= counted;",
-        ]
-        if shadowed:
-            writer.parts.add("light/hard_shadow.h")
-            body.append("    a.lit &= NOT(hard_shadow(s, a, light, k, max_steps, scene, shadow_steps));")
-        body += [
-            f"    real3_lanes more = phong(s, a, three_numbers(scene, {place} + 7 * i + 4));",
-            "    seen = add_scaled_3(seen, more, REAL(1));",
-            "  }",
-            "}",
-        ]
+    for asked, images_of in loops.items():
+        body += _loop(writer, camera, asked, images_of)
     writer.function(
         "real3_lanes scene_light(shading s, mask counted, int max_steps, scene_data scene,"
         " real *shadow_steps)",
         [*body, "return seen;"],
     )
-    return total
+    return sum(len(images_of) for images_of in loops.values())
 
 
-def _images(lattice: Lattice | None, translates: "int | str") -> Array:
-    """The isometries (M,4,4) that carry a light to those of its images that count, nearest cells first."""
-    if lattice is None:
-        return np.eye(4)[None]
-    if translates == "neighbours":
-        return neighbours(lattice)
-    return elements(lattice, count=int(translates))
+def _loop(
+    writer: Writer, camera: CameraFrame, asked: _Asked, lights: Sequence[tuple[Array, Array]]
+) -> list[str]:
+    """Lines that add the light of `lights`, each a point (4,) and its colour times intensity."""
+    known = ""
+    if asked.repeated or writer.lattice is None:
+        size, place = 7, writer.numbers.add(number for light in lights for number in np.concatenate(light))
+        color = place + 4
+        light = f"point light = four_numbers(scene, {place} + 7 * i);"
+    else:
+        # Seen from each cell a light stands elsewhere; what the camera was carried by, it is carried by too.
+        cells, first = inverse(writer.lattice.geometry, writer.cells), len(writer.seen_from)
+        for point, _ in lights:
+            writer.seen_from.append(act(writer.lattice.geometry, cells, camera.carry_along(point)))
+        size, color = 3, writer.numbers.add(number for _, light_color in lights for number in light_color)
+        light, known = f"point light = seen_from_cell(s.cell, {first} + i, &known, scene);", " & known"
+    writer.parts.add(f"light/falloff_{asked.falloff}.h")
+    lines = [
+        f"for (int i = 0; i < {len(lights)}; i++) {{",
+        *(["  mask known;"] if known else []),
+        f"  {light}",
+        f"  for (int k = 0; k < {asked.geodesics}; k++) {{",
+        "    arrival a = point_light(s, light, k);",
+        f"    a.lit &= counted{known};",
+        f"    a.intensity = falloff_{asked.falloff}(a);",
+    ]
+    if asked.shadowed:
+        writer.parts.add("light/hard_shadow.h")
+        lines.append("    a.lit &= NOT(hard_shadow(s, a, light, k, max_steps, scene, shadow_steps));")
+    return [
+        *lines,
+        f"    real3_lanes more = phong(s, a, three_numbers(scene, {color} + {size} * i));",
+        "    seen = add_scaled_3(seen, more, REAL(1));",
+        "  }",
+        "}",
+    ]
 
 
-def _default_lights(camera: CameraFrame, writer: Writer) -> list[float]:
+def _images(lattice: Lattice, translates: "int | str", point: Array) -> Array:
+    """The images (M,4) of a light at `point` (4,) that count, those of the nearest cells first."""
+    found = neighbours(lattice) if translates == "neighbours" else elements(lattice, count=int(translates))
+    return act(lattice.geometry, found, point)
+
+
+def _default_lights(camera: CameraFrame, writer: Writer) -> list[tuple[Array, Array]]:
     lights, unit, intensity = DEFAULT_LIGHTS, 1.0, 1.0
     if writer.lattice is not None:
         lights, unit = DEFAULT_LIGHTS_IN_CELL, writer.lattice.inradius
         intensity = float(writer.geometry.area_density([0.0, 0.0, 1.0], unit)[0])
-    numbers: list[float] = []
+    placed: list[tuple[Array, Array]] = []
     for offset, color in lights:
         towards = unit * np.array(offset) @ camera.frame
         length = float(np.linalg.norm(towards))
         point = writer.geometry.flow(towards / length, length, base=camera.point)[0][0]
-        numbers += [*point, *(intensity * np.array(color))]
-    return numbers
+        placed.append((point, intensity * np.array(color)))
+    return placed
 
 
 def write_air(writer: Writer) -> None:

@@ -1,17 +1,32 @@
 """OpenCL text for the objects of a scene: signed distance, surface and material."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice, paths
-from thurston_cl.lattice.isometry import inverse, snap
+from thurston_cl.lattice.isometry import (
+    BASE_CURVATURE,
+    act,
+    compose,
+    identity,
+    inverse,
+    origin,
+    snap,
+    vector_map,
+)
 from thurston_cl.scene import schema
-from thurston_cl.scene.near_walls import images, is_hollow
-from thurston_cl.scene.numbers import Numbers, components
-from thurston_cl.scene.placement import turn_to
+from thurston_cl.scene.near_walls import balls_over_walls, images, is_hollow
+from thurston_cl.scene.numbers import Numbers, components, homogeneous
+from thurston_cl.scene.placement import X_AXIS, Z_AXIS
 from thurston_cl.scene.writer import Writer
 
 Array = NDArray[np.float64]
+
+
+# Shapes that are bounded along the ray only: their distance takes its vector too.
+DIRECTED = ("horizontal_half_space", "bisected_half_space")
 
 
 def write_objects(writer: Writer) -> int:
@@ -34,7 +49,9 @@ def write_objects(writer: Writer) -> int:
             text = _SolidText(writer, solid, outer)
         except ValueError as error:
             raise writer.scene.error_at(("objects", k - 1, "at"), str(error)) from error
-        writer.function(f"real object_{k}_distance(point p, scene_data scene)", [f"return {text.distance};"])
+        writer.function(
+            f"real object_{k}_distance(point p, vector v, scene_data scene)", [f"return {text.distance};"]
+        )
         writer.function(
             f"surface object_{k}_surface(point p, scene_data scene)", [*text.lines, f"return {text.name};"]
         )
@@ -43,17 +60,23 @@ def write_objects(writer: Writer) -> int:
             f"material object_{k}_material(surface s, scene_data scene)",
             [f"material m = {material};", "return m;"],
         )
-        own = f"object_{k}_distance(p, scene)"
-        distance.append(f"distance = fmin(distance, {own});" if distance else f"real distance = {own};")
-        surface += [f"s = object_{k}_surface(p, scene);", *_take_nearer(k)]
+        seen = np.empty((0, 4, 4))
         if writer.lattice is not None:
             seen = images(solid, outer, writer.near_walls, writer.lattice, writer.place)
-            count += len(seen)
-            if len(seen):
-                more_distance, more_surface = _over_walls(writer, writer.lattice, k, seen)
-                distance += more_distance
-                surface += more_surface
-    writer.function("real scene_distance(point p, scene_data scene)", [*distance, "return distance;"])
+        count += len(seen)
+        if writer.lattice is not None and len(seen):
+            if not distance:
+                distance.append("real distance = REAL(INFINITY);")
+            more_distance, more_surface = _over_walls(writer, writer.lattice, k, seen)
+            distance += more_distance
+            surface += more_surface
+        else:
+            own = f"object_{k}_distance(p, v, scene)"
+            distance.append(f"distance = fmin(distance, {own});" if distance else f"real distance = {own};")
+            surface += [f"s = object_{k}_surface(p, scene);", *_take_nearer(k)]
+    writer.function(
+        "real scene_distance(point p, vector v, scene_data scene)", [*distance, "return distance;"]
+    )
     writer.function(
         "void scene_surface(point p, real *object, real *cell, covector *gradient, material *m,"
         " scene_data scene)",
@@ -73,18 +96,33 @@ def _take_nearer(k: int) -> list[str]:
 
 
 def _over_walls(writer: Writer, lattice: Lattice, k: int, seen: Array) -> tuple[list[str], list[str]]:
-    """Distance and surface of the images of object k: the object itself, seen from the moved point."""
-    maps = writer.numbers.add(inverse(lattice.geometry, seen).ravel())
+    """Distance and surface of object k and its images: the object itself, seen from the moved point. It takes
+    part in the loop, so that its text is compiled once.
+    """
+    seen = np.concatenate([identity(lattice.geometry)[None], seen])
+    back = inverse(lattice.geometry, seen)
+    turns = vector_map(lattice.geometry, back)
+    rows = 4 * back.shape[2]
+    maps = linear = writer.numbers.add(back[:, :4].ravel())
+    if back.shape[2] != 4 or not np.array_equal(turns, back):
+        linear = writer.numbers.add(turns.ravel())
     loop = f"for (int image = 0; image < {len(seen)}; image++) {{"
-    moved = f"apply(scene, {maps} + 16 * image, p)"
-    distance = [loop, f"  distance = fmin(distance, object_{k}_distance({moved}, scene));", "}"]
+    moved = f"apply(scene, {maps} + {rows} * image, p)"
+    turned = f"apply_linear(scene, {linear} + 16 * image, v)"
+    distance = [
+        loop,
+        f"  real other = object_{k}_distance({moved}, {turned}, scene);",
+        # A NaN is kept, unlike by fmin: a lane that has one must stop.
+        "  distance = SELECT(distance < other, distance, other);",
+        "}",
+    ]
     surface = [
         f"s = object_{k}_surface({moved}, scene);",
-        f"s.gradient = pull_back(scene, {maps} + 16 * image, s.gradient);",
+        f"s.gradient = pull_back(scene, {linear} + 16 * image, s.gradient);",
         *_take_nearer(k),
     ]
     if writer.cell_ids:
-        ways = paths(lattice, seen)
+        ways = [(), *paths(lattice, seen[1:])]
         longest = max(len(way) for way in ways)
         place = writer.numbers.add(wall for way in ways for wall in (*way, *(-1,) * (longest - len(way))))
         surface += [
@@ -99,9 +137,9 @@ def _over_walls(writer: Writer, lattice: Lattice, k: int, seen: Array) -> tuple[
 
 
 def _carry(writer: Writer, solid: schema.Solid, location: tuple[str | int, ...]) -> Array:
-    """The group element (4,4) that leads a solid's centre into the cell; 1 for what fills the cell."""
+    """The group element (n,n) that leads a solid's centre into the cell; 1 for what fills the cell."""
     if writer.lattice is None or is_hollow(solid):
-        return np.eye(4)
+        return identity(writer.geometry.name)
     centre = writer.place.point(solid.at)
     _, element, ok = writer.lattice.teleport(centre[None])
     if not ok[0]:
@@ -137,13 +175,14 @@ class _SolidText:
     def __init__(self, writer: Writer, solid: schema.Solid, outer: Array) -> None:
         self._numbers, self._parts = writer.numbers, writer.parts
         self._place, self._lattice = writer.place, writer.lattice
+        self._geometry = writer.geometry.name
         self._count = 0
         self.lines: list[str] = []
         self.distance, self.name = self._solid(solid, outer)
 
     def _solid(self, solid: schema.Solid, outer: Array) -> tuple[str, str]:
         """Distance and name of the surface; `outer` carries the frame of what it belongs to into the cell."""
-        frame = outer @ self._place.isometry(solid.at, solid.rotate)
+        frame = compose(self._geometry, outer, self._place.isometry(solid.at, solid.rotate))
         shape = solid.shape
         match solid.kind:
             case "union" | "difference" | "intersection" as kind:
@@ -161,16 +200,45 @@ class _SolidText:
             case "ball":
                 return self._leaf("ball", frame, self._numbers.term(shape.radius))
             case "cylinder":
-                return self._leaf("cylinder", frame @ turn_to(shape.along), self._numbers.term(shape.radius))
+                return self._cylinder(shape, frame)
             case "half-space":
-                lifted = self._place.isometry((0.0, 0.0, shape.offset))
-                return self._leaf("half_space", frame @ turn_to(shape.normal) @ lifted)
+                return self._half_space(shape.normal, shape.offset, frame, shape.crossing)
+            case "slab":
+                # Between two half-spaces.
+                half, back = 0.5 * shape.thickness, [-c for c in shape.normal]
+                front = self._half_space(shape.normal, half, frame)
+                rear = self._half_space(back, half, frame)
+                return f"fmax({front[0]}, {rear[0]})", self._let(f"intersection_of({front[1]}, {rear[1]})")
             case "horoball":
-                return self._leaf(
-                    "horoball", frame @ turn_to(shape.towards), self._numbers.term(shape.distance)
-                )
+                turned = frame @ self._place.turn(Z_AXIS, shape.towards)
+                return self._leaf("horoball", turned, self._numbers.term(shape.distance))
             case _:
                 return self._tile(shape, frame)
+
+    def _cylinder(self, shape: schema.Cylinder, frame: Array) -> tuple[str, str]:
+        """About the fibre or across it, or in any direction where there are no fibres."""
+        level = self._geometry in BASE_CURVATURE and shape.along[2] == 0
+        turned = self._turned(frame, X_AXIS if level else Z_AXIS, shape.along)
+        return self._leaf("level_cylinder" if level else "cylinder", turned, self._numbers.term(shape.radius))
+
+    def _half_space(
+        self, normal: Sequence[float], offset: float, frame: Array, crossing: str = "directed"
+    ) -> tuple[str, str]:
+        """Bounded by the plane across a geodesic; in fibred geometries over a line of the base, or level."""
+        name, axis = "half_space", Z_AXIS
+        if self._geometry in BASE_CURVATURE and normal[2] == 0:
+            name, axis = "vertical_half_space", X_AXIS
+        elif self._geometry in BASE_CURVATURE:
+            name = "horizontal_half_space"
+            if crossing == "bisection":
+                self._parts.add(f"shape/{name}.h")
+                name = "bisected_half_space"
+        turned = self._turned(frame, axis, normal)
+        lifted = self._place.isometry(tuple(offset * axis))
+        return self._leaf(name, compose(self._geometry, turned, lifted))
+
+    def _turned(self, frame: Array, axis: Array, goal: Sequence[float]) -> Array:
+        return compose(self._geometry, frame, self._place.turn(axis, goal))
 
     def _complement(self, member: tuple[str, str]) -> tuple[str, str]:
         distance, name = member
@@ -185,19 +253,27 @@ class _SolidText:
     def _leaf(self, shape: str, frame: Array, *arguments: str) -> tuple[str, str]:
         """One shape about the origin of its own coordinates; `frame` carries these into the cell."""
         self._parts.add(f"shape/{shape}.h")
-        matrix = snap(inverse(self._place.geometry.name, frame))
-        if np.array_equal(matrix, np.eye(4)):
-            point, pulled = "p", None
-        else:
+        matrix = snap(inverse(self._geometry, frame))
+        point, vector, pulled = "p", "v", None
+        if not np.array_equal(matrix, identity(self._geometry)):
             self._count += 1
-            point = f"(point){self._numbers.rows(matrix, components('p'))}"
-            pulled = matrix
+            point = self._moved(matrix)
+            pulled = snap(vector_map(self._geometry, matrix))
+            vector = f"(vector){self._numbers.rows(pulled, components('v'))}" if shape in DIRECTED else ""
         tail = "".join(f", {argument}" for argument in arguments)
         name = self._let(f"{shape}_surface({point}{tail})")
-        if pulled is not None:
+        if pulled is not None and not np.array_equal(pulled, np.eye(4)):
             gradient = self._numbers.rows(pulled.T, components(f"{name}.gradient"))
             self.lines.append(f"{name}.gradient = (covector){gradient};")
-        return f"{shape}_distance({point}{tail})", name
+        return f"{shape}_distance({point}{f', {vector}' if shape in DIRECTED else ''}{tail})", name
+
+    def _moved(self, matrix: Array) -> str:
+        """The text of the point p moved by an isometry (n,n)."""
+        moved = f"(point){self._numbers.rows(matrix[:4], homogeneous('p', len(matrix)))}"
+        if self._geometry != "sl2" or not np.any(matrix[2, :2]):
+            return moved
+        row = ", ".join(self._numbers.term(float(entry)) for entry in (*matrix[2, :3], matrix[3, 3]))
+        return f"with_fibre_gain(p, {moved}, {row})"
 
     def _ball_set(self, centres: Array, radius: float) -> tuple[str, str]:
         self._parts.add("shape/ball_set.h")
@@ -212,13 +288,18 @@ class _SolidText:
         """
         assert self._lattice is not None
         members = [self._leaf("ball", frame, self._numbers.term(tile.ball))]
+        middle = act(self._geometry, frame, origin(self._geometry))[None]
+        over = balls_over_walls(self._lattice, middle, tile.ball)
+        if len(over):
+            members.append(self._ball_set(over, tile.ball))
         polyhedron = self._lattice.polyhedron
-        if tile.vertices is not None:
-            corners = np.array([vertex.vector for vertex in polyhedron.vertices])
-            members.append(self._ball_set(corners @ frame.T, tile.vertices))
-        if tile.edges is not None:
-            middles = np.array([edge.point for edge in polyhedron.edges])
-            members.append(self._ball_set(middles @ frame.T, tile.edges))
+        corners = [vertex.vector for vertex in polyhedron.vertices] if tile.vertices is not None else []
+        middles = [edge.point for edge in polyhedron.edges] if tile.edges is not None else []
+        for points, radius in ((corners, tile.vertices), (middles, tile.edges)):
+            if radius is not None:
+                centres = act(self._geometry, frame, np.array(points))
+                over = balls_over_walls(self._lattice, centres, radius)
+                members.append(self._ball_set(np.concatenate([centres, over]), radius))
         distance, name = members[0]
         for other, other_name in members[1:]:
             distance, name = f"fmin({distance}, {other})", self._let(f"union_of({name}, {other_name})")
@@ -234,6 +315,18 @@ def _paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[
         checker = paint.checker
         place = numbers.add([*checker.count, *checker.colors[0].linear, *checker.colors[1].linear])
         return f"checker({surface}, scene, {place})"
+    if paint.bands is not None:
+        parts.add("pattern/bands.h")
+        bands = paint.bands
+        place = numbers.add(
+            [
+                bands.count,
+                bands.width,
+                *bands.ground.linear,
+                *(c for color in bands.colors for c in color.linear),
+            ]
+        )
+        return f"bands({surface}, scene, {place}, {len(bands.colors)})"
     assert paint.grid is not None
     parts.add("pattern/grid.h")
     grid = paint.grid

@@ -7,12 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice
-from thurston_cl.scene.numbers import Numbers, components
+from thurston_cl.lattice.isometry import TWISTED, fibre, vector_map
+from thurston_cl.scene.numbers import ONE, Numbers, components, homogeneous
 from thurston_cl.scene.writer import Writer
 
 Array = NDArray[np.float64]
 
-P = components("p")
+# Homogeneous coordinates that change sign from a wall to the opposite one; the others keep it.
+ODD = {4: (0, 1, 2), 5: (0, 1, 3)}
+EVEN = {4: (3,), 5: (2, 4)}
 
 
 def write_walls(writer: Writer) -> None:
@@ -27,12 +30,14 @@ def write_walls(writer: Writer) -> None:
 
 
 def _groups(walls: Array) -> list[tuple[int, ...]]:
-    """Opposite walls, which share the linear form n . x, in pairs; the others alone."""
+    """Opposite walls, which share the form over the odd coordinates, in pairs; the others alone."""
+    sides = np.ones(walls.shape[1])
+    sides[list(ODD[walls.shape[1]])] = -1.0
     left = list(range(len(walls)))
     groups: list[tuple[int, ...]] = []
     while left:
         f = left.pop(0)
-        mirrored = walls[f] * np.array([-1, -1, -1, 1])
+        mirrored = walls[f] * sides
         opposite = next((g for g in left if np.allclose(walls[g], mirrored, rtol=0, atol=1e-14)), None)
         if opposite is None:
             groups.append((f,))
@@ -42,20 +47,37 @@ def _groups(walls: Array) -> list[tuple[int, ...]]:
     return groups
 
 
+def _odd(wall: Array, numbers: Numbers, name: str) -> str:
+    """The part of a wall's form that opposite walls share but for its sign."""
+    odd, variables = ODD[len(wall)], homogeneous(name, len(wall))
+    return numbers.linear(wall[list(odd)], [variables[k] for k in odd])
+
+
+def _even(wall: Array, numbers: Numbers, name: str) -> str:
+    """The part of a wall's form that opposite walls share with its sign."""
+    even, variables = EVEN[len(wall)], homogeneous(name, len(wall))
+    return numbers.linear(wall[list(even)], [variables[k] for k in even])
+
+
 # A wall map with more entries than this other than 0 and +-1 is worked out only where some lane needs it.
 DENSE = 6
 
 
 def _outside(lattice: Lattice, numbers: Numbers) -> list[str]:
     """The body of outside_cell: is a point beyond any wall?"""
-    by_offset: dict[float, str] = {}
+    dimension = lattice.walls.shape[1]
+    even, variables = EVEN[dimension], homogeneous("p", dimension)
+    by_offset: dict[tuple[float, ...], str] = {}
     for group in _groups(lattice.walls):
         wall = lattice.walls[group[0]]
-        form = numbers.linear(wall[:3], P[:3])
+        form = _odd(wall, numbers, "p")
         form = f"fabs({form})" if len(group) == 2 else form
-        offset = round(float(wall[3]), 14)
+        offset = tuple(round(float(wall[k]), 14) for k in even)
         by_offset[offset] = f"fmax({by_offset[offset]}, {form})" if offset in by_offset else form
-    heights = [numbers.linear([1.0, offset], (f"({form})", "p.w")) for offset, form in by_offset.items()]
+    heights = [
+        numbers.linear([1.0, *offset], (f"({form})", *(variables[k] for k in even)))
+        for offset, form in by_offset.items()
+    ]
     highest = heights[0]
     for height in heights[1:]:
         highest = f"fmax({highest}, {height})"
@@ -63,35 +85,29 @@ def _outside(lattice: Lattice, numbers: Numbers) -> list[str]:
 
 
 def _teleport(lattice: Lattice, numbers: Numbers, cells: bool) -> list[str]:
-    """The body of teleport: one pass over the walls; lanes beyond one are led back by its map."""
+    """The body of teleport: one pass over the walls, in order; lanes beyond one are led back by its map."""
     lines = ["real slack = wall_slack(r->p);"]
+    dimension = lattice.walls.shape[1]
     for group in _groups(lattice.walls):
         wall = lattice.walls[group[0]]
-        form = numbers.linear(wall[:3], components("r->p")[:3])
-        offset = numbers.linear(wall[3:], ("r->p.w",))
-        maps = [lattice.maps[f] for f in group]
+        maps = lattice.maps[list(group)]
+        on_vectors = vector_map(lattice.geometry, maps)
         lines.append("{")
-        lines.append(f"  real along = {form};")
+        lines.append(f"  real along = {_odd(wall, numbers, 'r->p')};")
         height = "fabs(along)" if len(group) == 2 else "along"
-        lines.append(f"  mask beyond = {height} + {offset} > slack;")
-        entries = maps[0][(maps[0] != 0) & (np.abs(maps[0]) != 1)]
-        dense = len(entries) > DENSE
+        lines.append(f"  mask beyond = {height} + {_even(wall, numbers, 'r->p')} > slack;")
+        gains = lattice.geometry == "sl2" and bool(np.any(maps[:, 2, :2]))
+        dense = gains or np.count_nonzero((maps[0] != 0) & (np.abs(maps[0]) != 1)) > DENSE
         if dense:
             lines.append("  if (ANY(beyond)) {")
         if len(group) == 2:
             lines.append("  mask plus = along > REAL(0);")
-        matrix = [
-            [_entry(lines, [m[i, j] for m in maps], f"m{i}{j}", numbers) for j in range(4)] for i in range(4)
-        ]
-        for name in ("r->p", "r->v"):
-            rows = [(k, _product(row, components(name))) for k, row in enumerate(matrix)]
-            changed = [
-                (axis, text) for (k, text), axis in zip(rows, "xyzw", strict=True) if text != f"{name}.{axis}"
-            ]
-            lines.append("  {")
-            lines += [f"    real {axis} = {text};" for axis, text in changed]
-            lines += [f"    {name}.{axis} = SELECT(beyond, {axis}, {name}.{axis});" for axis, _ in changed]
-            lines.append("  }")
+        matrix = _entries(lines, "m", maps[:, :4], numbers)
+        same = np.array_equal(on_vectors, maps[:, :4, :4])
+        turn = [row[:4] for row in matrix] if same else _entries(lines, "n", on_vectors, numbers)
+        gain = ", ".join(_value(entry) for entry in (*matrix[2][:3], matrix[3][3])) if gains else ""
+        lines += _move("r->p", matrix, homogeneous("r->p", dimension), gain)
+        lines += _move("r->v", turn, components("r->v"))
         if cells:
             crossed = (
                 [("beyond & plus", group[0]), ("beyond & NOT(plus)", group[1])]
@@ -103,14 +119,40 @@ def _teleport(lattice: Lattice, numbers: Numbers, cells: bool) -> list[str]:
     return lines
 
 
-def _entry(lines: list[str], values: list[float], name: str, numbers: Numbers) -> float | str:
-    """One entry of a map: a plain 0, 1 or -1, or the name of a number that depends on the side."""
+def _move(
+    name: str, matrix: list[list[float | str]], variables: tuple[str, ...], gain: str = ""
+) -> list[str]:
+    """Lines that lead the point or vector `name` back by a matrix in the lanes of `beyond`."""
+    rows = [_product(row, variables) for row in matrix]
+    changed = [
+        (axis, text) for axis, text in zip("xyzw", rows, strict=True) if gain or text != f"{name}.{axis}"
+    ]
+    lines = [f"    real {axis} = {text};" for axis, text in changed]
+    if gain:
+        lines.append(f"    w = with_fibre_gain({name}, (point){{x, y, z, w}}, {gain}).w;")
+    lines += [f"    {name}.{axis} = SELECT(beyond, {axis}, {name}.{axis});" for axis, _ in changed]
+    return ["  {", *lines, "  }"] if lines else []
+
+
+def _entries(lines: list[str], name: str, maps: Array, numbers: Numbers) -> list[list[float | str]]:
+    """The entries of one map, or of two of which `plus` chooses: plain 0, 1 or -1, or names of numbers."""
+    return [
+        [_entry(lines, maps[:, i, j], f"{name}{i}{j}", numbers) for j in range(maps.shape[2])]
+        for i in range(maps.shape[1])
+    ]
+
+
+def _entry(lines: list[str], values: Array, name: str, numbers: Numbers) -> float | str:
     if len(set(values)) == 1 and values[0] in (0.0, 1.0, -1.0):
         return float(values[0])
-    texts = [numbers.term(value) for value in values]
+    texts = [numbers.term(float(value)) for value in values]
     chosen = texts[0] if values[0] == values[-1] else f"SELECT(plus, {texts[0]}, {texts[1]})"
     lines.append(f"  real {name} = {chosen};")
     return name
+
+
+def _value(entry: float | str) -> str:
+    return entry if isinstance(entry, str) else f"REAL({int(entry)})"
 
 
 def _product(row: list[float | str], variables: tuple[str, ...]) -> str:
@@ -118,7 +160,9 @@ def _product(row: list[float | str], variables: tuple[str, ...]) -> str:
     for entry, variable in reversed(list(zip(row, variables, strict=True))):
         if entry == 0:
             continue
-        if isinstance(entry, str):
+        if variable == ONE:
+            text = _value(entry)
+        elif isinstance(entry, str):
             text = f"fma({entry}, {variable}, {text})" if text else f"{entry} * {variable}"
         elif entry == 1:
             text = f"{variable} + {text}" if text else variable
@@ -128,19 +172,47 @@ def _product(row: list[float | str], variables: tuple[str, ...]) -> str:
 
 
 def _wall_time(lattice: Lattice, numbers: Numbers) -> list[str]:
-    """The body of wall_time: arc length to the nearest wall ahead, from the greatest (n . v)/(-n . p)."""
+    """The body of wall_time: arc length to the nearest wall ahead, or in nil and sl2 a bound of it."""
     # To just beyond where a point counts as outside: a ray along a wall would crawl if it could stop on it.
     lines = ["real beyond = REAL(2) * wall_slack(p);"]
+    times: list[str] = []
+    sides = [f for f in range(len(lattice.walls)) if f not in lattice.level_walls]
+    if sides:
+        lines += _crossing(lattice.walls[sides], lattice.geometry, numbers)
+        times.append("crossing_time(ratio, v)")
+    if lattice.level_walls:
+        up = fibre(lattice.geometry)
+        coordinate = components("p")[up]
+        left = {"above": "REAL(INFINITY)", "below": "REAL(INFINITY)"}
+        for f in lattice.level_walls:
+            wall = lattice.walls[f]
+            side, sign = ("above", "-") if wall[up] > 0 else ("below", "+")
+            end = numbers.term(-float(wall[-1]))
+            left[side] = f"fmax({end} {sign} {coordinate} + beyond, REAL(EPSILON))"
+        times.append(f"level_time(p, v, {left['above']}, {left['below']})")
+    lines.append(f"return {times[0]};" if len(times) == 1 else f"return fmin({times[0]}, {times[1]});")
+    return lines
+
+
+def _crossing(walls: Array, geometry: str, numbers: Numbers) -> list[str]:
+    """Lines that find the greatest wall_ratio of walls over the base."""
+    lines = ["vector ahead = wall_velocity(p, v);"]
+    rates = [("p", "height"), ("ahead", "rate")]
+    if geometry in TWISTED:
+        lines.append("vector aside = wall_turning(p, v);")
+        rates.append(("aside", "turning"))
     ratios: list[str] = []
-    for k, group in enumerate(_groups(lattice.walls)):
-        wall = lattice.walls[group[0]]
-        for name, variable in (("p", "height"), ("v", "rate")):
-            lines.append(f"real {variable}{k} = {numbers.linear(wall[:3], components(name)[:3])};")
-            lines.append(f"real {variable}_w{k} = {numbers.linear(wall[3:], (f'{name}.w',))};")
+    for k, group in enumerate(_groups(walls)):
+        # A velocity has no fifth coordinate.
+        wall = walls[group[0]]
+        for name, variable in rates:
+            form = wall if name == "p" else np.append(wall[:4], np.zeros(len(wall) - 4))
+            lines.append(f"real {variable}{k} = {_odd(form, numbers, name)};")
+            lines.append(f"real {variable}_w{k} = {_even(form, numbers, name)};")
         for sign in ("+", "-")[: len(group)]:
-            rate = f"(rate_w{k} {sign} rate{k})"
-            ratios.append(f"{rate} / fmax(beyond - (height_w{k} {sign} height{k}), REAL(EPSILON))")
+            height = f"fmax(beyond - (height_w{k} {sign} height{k}), REAL(EPSILON))"
+            turning = f"turning_w{k} {sign} turning{k}" if len(rates) == 3 else "REAL(0)"
+            ratios.append(f"wall_ratio(v, {height}, rate_w{k} {sign} rate{k}, {turning})")
     lines.append(f"real ratio = {ratios[0]};")
     lines += [f"ratio = fmax(ratio, {ratio});" for ratio in ratios[1:]]
-    lines.append("return crossing_time(ratio);")
     return lines

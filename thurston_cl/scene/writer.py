@@ -2,33 +2,45 @@
 
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from thurston_cl.geometry import Geometry
 from thurston_cl.lattice import Lattice
 from thurston_cl.scene import schema
 from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import Placement
 
+Array = NDArray[np.float64]
+
 
 @dataclass
 class Writer:
     """Collects functions, the numbers they read and the kernel files they call. Formulas stay in `kernels/`.
 
-    `near_walls` is how distance is measured near the walls of the cell; `cell_ids` says whether rays keep
-    track of the cell they are in.
+    `near_walls` is how distance is measured near the walls of the cell. `cells` (C,n,n) are the group
+    elements of the cells that rays keep track of, if any; `seen_from` has for each light that is not repeated
+    its place (C,4) as seen from them.
     """
 
     scene: schema.Scene
     geometry: Geometry
     numbers: Numbers
     near_walls: str
-    cell_ids: bool
+    cells: Array
     parts: set[str] = field(default_factory=set)
     lines: list[str] = field(default_factory=list)
+    seen_from: list[Array] = field(default_factory=list)
 
     @property
     def lattice(self) -> Lattice | None:
         """The lattice of the scene, if it has one."""
         return self.scene.lattice
+
+    @property
+    def cell_ids(self) -> bool:
+        """Whether rays keep track of the cell they are in."""
+        return len(self.cells) > 0
 
     @property
     def creeping(self) -> bool:
