@@ -91,5 +91,5 @@ __kernel void numerics_area_density(ARRAYS)
 }
 
 // base 0-3, point 4-7 -> point 0-3
-__kernel void numerics_translate(ARRAYS) { put_4(translate(get_4(0, in, stride), get_4(4, in, stride)), 0, out, stride); }
-__kernel void numerics_untranslate(ARRAYS) { put_4(untranslate(get_4(0, in, stride), get_4(4, in, stride)), 0, out, stride); }
+__kernel void numerics_translate(ARRAYS) { put_4(on_model(translate(get_4(0, in, stride), get_4(4, in, stride))), 0, out, stride); }
+__kernel void numerics_untranslate(ARRAYS) { put_4(on_model(untranslate(get_4(0, in, stride), get_4(4, in, stride))), 0, out, stride); }

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
-from thurston_cl.program import GEOMETRIES
+from thurston_cl.models import GEOMETRIES
 from thurston_cl.scene import schema
 from thurston_cl.scene.placement import CameraFrame, Placement
 

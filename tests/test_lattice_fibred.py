@@ -491,6 +491,25 @@ def test_cell_table(geometry, name):
 
 
 @each
+def test_columns_of_cells(geometry, name):
+    lattice, reach = tl.named(geometry, name), 20.0
+    cells, following = tl.cell_table(lattice, 2000, reach)
+    np.testing.assert_array_equal(cells[0], iso.identity(geometry))
+    k, f = np.nonzero(following < len(cells))
+    expected = iso.compose(geometry, cells[k], lattice.inverses[f])
+    scale = np.max(np.abs(expected), axis=(1, 2))
+    assert np.max(np.max(np.abs(cells[following[k, f]] - expected), axis=(1, 2)) / scale) < 1e-9
+    # Up and down from home they go on to the end of the reach, and there they end.
+    for wall in lattice.level_walls:
+        cell, height = 0, 0.0
+        while following[cell, wall] < len(cells):
+            cell = following[cell, wall]
+            height = abs(iso.act(geometry, cells[cell], lattice.centre)[iso.fibre(geometry)])
+        low, high = lattice.levels
+        assert reach - (high - low) - 1e-9 <= height <= reach
+
+
+@each
 def test_paths_and_neighbours(geometry, name):
     lattice = tl.named(geometry, name)
     around = tl.neighbours(lattice)

@@ -10,8 +10,8 @@ import pytest
 from thurston_cl import program
 from thurston_cl.device import Device
 from thurston_cl.errors import BuildError
+from thurston_cl.models import GEOMETRIES
 from thurston_cl.program import (
-    GEOMETRIES,
     LANE_WIDTHS,
     Source,
     build,

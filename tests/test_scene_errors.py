@@ -221,28 +221,31 @@ MISTAKES = {
     "point off the model, s3": Mistake(
         an_object("{ball: {radius: 1}, at: {model: [1, 0, 0, 1]}}", "s3"),
         "3:37",
-        "x² + y² + z² + w² = 1",
+        "x^2 + y^2 + z^2 + w^2 = 1",
         schema=False,
     ),
     "point on the other sheet, h3": Mistake(
-        an_object("{ball: {radius: 1}, at: {model: [0, 0, 0, -1]}}", "h3"), "3:37", "w = √(1 + ", schema=False
+        an_object("{ball: {radius: 1}, at: {model: [0, 0, 0, -1]}}", "h3"),
+        "3:37",
+        "w = sqrt(1 + ",
+        schema=False,
     ),
     "point off the model, s2xe": Mistake(
         an_object("{ball: {radius: 1}, at: {model: [0, 0, 0, 1]}}", "s2xe"),
         "3:37",
-        "where x² + y² + z² = 1",
+        "where x^2 + y^2 + z^2 = 1",
         schema=False,
     ),
     "point off the model, h2xe": Mistake(
         an_object("{ball: {radius: 1}, at: {model: [1, 0, 1, 0]}}", "h2xe"),
         "3:37",
-        "where z = √(1 + x² + y²)",
+        "where z = sqrt(1 + x^2 + y^2)",
         schema=False,
     ),
     "point on the other sheet, sl2": Mistake(
         an_object("{ball: {radius: 1}, at: {model: [0, 0, -1, 0]}}", "sl2"),
         "3:37",
-        "where z = √(1 + x² + y²)",
+        "where z = sqrt(1 + x^2 + y^2)",
         schema=False,
     ),
     "point off the model, nil": Mistake(

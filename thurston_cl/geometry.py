@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from thurston_cl import device as devices
-from thurston_cl.program import GEOMETRIES, LANE_WIDTHS, LOCAL_SIZE, Source, build_widest, geometry_parts
+from thurston_cl.models import GEOMETRIES, HOMOGENEOUS, MODEL, ORIGIN, off_model
+from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, Source, build_widest, geometry_parts
 
 if TYPE_CHECKING:
     from thurston_cl.device import Device
@@ -33,16 +34,10 @@ MODEL_TOLERANCE = 1e-6
 SINGLE_LIMIT = 1e19
 
 
-# The origin of each model.
-ORIGIN = dict.fromkeys(("e3", "s3", "h3", "nil"), (0.0, 0.0, 0.0, 1.0)) | dict.fromkeys(
-    ("s2xe", "h2xe", "sl2"), (0.0, 0.0, 1.0, 0.0)
-)
-
-
 class Geometry:
     """One of Thurston's geometries on one OpenCL device.
 
-    name: one of `thurston_cl.program.GEOMETRIES`. precision: "single" or "double", the arithmetic inside.
+    name: one of `thurston_cl.models.GEOMETRIES`. precision: "single" or "double", the arithmetic inside.
     device: what `--device` accepts, None for the default choice. flow: "exact". lanes: width of the kernels,
     None for the device's default. Raises ValueError for unknown names and wrong arrays, NoDeviceError where
     nothing can build a kernel.
@@ -177,18 +172,13 @@ class Geometry:
         matrix gives but that determines (`with_fibre_gain` in `sl2.h`).
         """
         b = self._points("base", base)
-        if self.name in ("s2xe", "h2xe", "sl2"):
-            return self._translation_over_base(b)
-        columns = [self._run("translate", [b, np.broadcast_to(row, b.shape)], 4) for row in np.eye(4)]
-        return np.stack(columns, axis=2)
-
-    def _translation_over_base(self, base: Array) -> Array:
-        """The 5x5 matrices: the frame's ambient velocities over the base space, and the point itself."""
-        matrix = np.zeros((len(base), 5, 5))
-        for k, direction in enumerate(np.eye(3)[:2]):
-            matrix[:, :3, k] = self.velocity(base, direction)[:, :3]
-        matrix[:, :3, 2] = base[:, :3]
-        matrix[:, 3, 3], matrix[:, 3, 4], matrix[:, 4, 4] = 1, base[:, 3], 1
+        frame = np.stack([self.velocity(b, direction) for direction in np.eye(3)], axis=2)
+        if HOMOGENEOUS[self.name] == 4:
+            return np.concatenate([frame, b[:, :, None]], axis=2)
+        matrix = np.zeros((len(b), 5, 5))
+        matrix[:, :3, :2] = frame[:, :3, :2]
+        matrix[:, :3, 2] = b[:, :3]
+        matrix[:, 3, 3], matrix[:, 3, 4], matrix[:, 4, 4] = 1, b[:, 3], 1
         return matrix
 
     def _rays(
@@ -233,11 +223,12 @@ class Geometry:
         if self.precision == "single" and np.abs(p).max() > SINGLE_LIMIT:
             worst = int(np.abs(p).max(axis=1).argmax())
             raise ValueError(f"{what} {worst} is too far away for single precision; use precision='double'")
-        defect, model = _off_model(self.name, p)
+        defect = np.abs(off_model(self.name, *p.T))
         if defect.max() > MODEL_TOLERANCE:
             worst = int(defect.argmax())
             raise ValueError(
-                f"{what} {worst} = {p[worst].tolist()} is off the model of {self.name}; expected {model}"
+                f"{what} {worst} = {p[worst].tolist()} is off the model of {self.name}; expected "
+                f"{MODEL[self.name]}"
             )
         return p
 
@@ -269,22 +260,12 @@ class Geometry:
         return result[:, :count].T.astype(np.float64)
 
 
-def _off_model(geometry: str, p: Array) -> tuple[Array, str]:
-    """How far points (N,4) are off the model of a geometry (N,), and the equation of the model."""
-    x, y, z, w = p.T
-    match geometry:
-        case "e3" | "nil":
-            return np.abs(w - 1), "w = 1"
-        case "s3":
-            return np.abs((p**2).sum(axis=1) - 1), "x^2 + y^2 + z^2 + w^2 = 1"
-        case "s2xe":
-            return np.abs(x**2 + y**2 + z**2 - 1), "x^2 + y^2 + z^2 = 1"
-        case "h2xe" | "sl2":
-            height = np.sqrt(1 + x**2 + y**2)
-            return np.abs(z - height) / height, "z = sqrt(1 + x^2 + y^2)"
-        case _:
-            height = np.sqrt(1 + x**2 + y**2 + z**2)
-            return np.abs(w - height) / height, "w = sqrt(1 + x^2 + y^2 + z^2)"
+def for_few_points(name: str, device: "Device | None" = None) -> Geometry:
+    """A geometry for placing things: in double where the device has it, and of one lane, since a narrow
+    kernel compiles in a fraction of the time.
+    """
+    device = device or devices.choose()
+    return Geometry(name, "double" if device.info.fp64 else "single", device, lanes=1)
 
 
 def _warn_unsolved(what: str, reached_bound: Array) -> None:

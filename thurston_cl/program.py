@@ -48,7 +48,6 @@ _GEOMETRY_PARTS = {
     "nil": (*_TWISTED_PARTS, "geometry/nil.h"),
     "sl2": (*_TWISTED_PARTS, "geometry/sl2.h"),
 }
-GEOMETRIES = tuple(_GEOMETRY_PARTS)
 
 
 def geometry_parts(geometry: str) -> tuple[str, ...]:

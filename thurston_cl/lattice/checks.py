@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from thurston_cl.lattice.error import LatticeError
 from thurston_cl.lattice.forms import Array
-from thurston_cl.lattice.isometry import FIVE, dimension, keeps_model, rules
+from thurston_cl.lattice.isometry import dimension, keeps_model, rules
 
 What = Literal["generators", "domain"]
 # How deep inside the domain an image must be to count: far above rounding, far below any cell.
@@ -61,8 +61,8 @@ def check_isometry(geometry: str, m: Array, f: int, tolerance: float) -> None:
                 "check its signs and give all digits of irrational entries",
             )
     if not keeps_model(geometry, m):
-        which = "third diagonal entry" if geometry in FIVE else "last entry"
-        cure = "its upper left 3x3 block" if geometry in FIVE else "the matrix"
+        which = "third diagonal entry" if dimension(geometry) == 5 else "last entry"
+        cure = "its upper left 3x3 block" if dimension(geometry) == 5 else "the matrix"
         raise blame(
             "generators",
             f,

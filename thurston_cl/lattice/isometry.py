@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from thurston_cl.lattice.error import LatticeError
 from thurston_cl.lattice.forms import (
-    CURVATURE,
     Array,
     form,
     form_inverse,
@@ -21,14 +20,10 @@ from thurston_cl.lattice.forms import (
     form_residual,
     keeps_sheet,
 )
+from thurston_cl.models import FIBRE, GEOMETRIES, HOMOGENEOUS, ORIGIN, TWISTED
 
 # Curvature of the base of a fibred geometry: S2, the plane, H2.
 BASE_CURVATURE = {"s2xe": 1, "h2xe": -1, "nil": 0, "sl2": -1}
-GEOMETRIES = (*CURVATURE, *BASE_CURVATURE)
-# Geometries whose points carry the fibre coordinate beside three coordinates of the base.
-FIVE = ("s2xe", "h2xe", "sl2")
-# Geometries whose frames are left-invariant, and whose flips turn the fibre and the base at once.
-TWISTED = ("nil", "sl2")
 # The residual of an isometry whose entries are correctly rounded is below this.
 ROUNDING = 2e-15
 # How far a rotation may be from orthogonal, and from keeping the fibre: far above rounding, far below an
@@ -46,18 +41,18 @@ def check_geometry(geometry: str) -> None:
 def dimension(geometry: str) -> int:
     """Number of homogeneous coordinates, and size of the matrices: 4 or 5."""
     check_geometry(geometry)
-    return 5 if geometry in FIVE else 4
+    return HOMOGENEOUS[geometry]
 
 
 def fibre(geometry: str) -> int:
     """Which coordinate of a point of a fibred geometry runs along the fibre."""
-    return 2 if geometry == "nil" else 3
+    return FIBRE[geometry]
 
 
 def origin(geometry: str) -> Array:
     """The origin o (4,) of the model."""
     check_geometry(geometry)
-    return np.array([0.0, 0.0, 1.0, 0.0] if geometry in FIVE else [0.0, 0.0, 0.0, 1.0])
+    return np.array(ORIGIN[geometry])
 
 
 def identity(geometry: str) -> Array:
@@ -128,7 +123,7 @@ def inverse(geometry: str, isometry: ArrayLike) -> Array:
         return form_inverse(form(geometry), m) + 0.0
     result = np.zeros_like(m)
     result[..., -1, -1] = 1.0
-    if geometry in FIVE:
+    if HOMOGENEOUS[geometry] == 5:
         result[..., :3, :3] = form_inverse(_base_form(geometry), m[..., :3, :3])
         result[..., 3, 3] = m[..., 3, 3]
         # Also in sl2: A takes A^-1 o to o, where nothing is gained.
@@ -337,7 +332,7 @@ def translation(geometry: str, point: ArrayLike) -> Array:
     p = np.asarray(point, dtype=np.float64)
     if geometry == "nil":
         return _nil(np.eye(2), 1.0, p[..., :3])
-    if geometry not in FIVE:
+    if HOMOGENEOUS[geometry] == 4:
         raise LatticeError(f"{geometry} is no fibred geometry", "generators")
     k = BASE_CURVATURE[geometry]
     m = np.zeros((*p.shape[:-1], 5, 5))

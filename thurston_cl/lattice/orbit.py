@@ -85,8 +85,8 @@ def cell_table(lattice: Lattice, size: int, reach: float | None = None) -> tuple
     Cell k is g_k D with g_k = elements[k], and cell 0 is home. A ray in cell k that leaves the domain through
     wall f and is led back by maps[f] goes on in the cell of g_k inverse(maps[f]), which is next[k,f], or C
     where that cell is not in the table. A finite group with fewer elements gives a smaller table. With
-    `reach`, a prism's cells are whole columns: those within `reach` along the fibre, over as many cells of the
-    base as make about `size` in all.
+    `reach`, a prism's cells are whole columns: those within `reach` along the fibre, over as many cells of
+    the base as make about `size` in all.
     """
     if reach is not None and isinstance(lattice, Prism):
         cells = columns(lattice, size, reach)

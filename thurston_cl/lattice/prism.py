@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 from thurston_cl.lattice.domain import Lattice
 from thurston_cl.lattice.forms import Array, bisector, curvature, form, unit_wall, wall_distance
 from thurston_cl.lattice.isometry import (
-    TWISTED,
     act,
     dimension,
     fibre,
@@ -24,6 +23,7 @@ from thurston_cl.lattice.polygon import BASE, Corner, Polygon, lift, lower
 from thurston_cl.lattice.polyhedral import behind_square
 from thurston_cl.lattice.polyhedron import Edge, Vertex
 from thurston_cl.lattice.radius import climb_time
+from thurston_cl.models import TWISTED
 
 # How far a wall may be from the bisector to its neighbour and still be it.
 BISECTOR = 1e-9

@@ -1,15 +1,9 @@
 """How far an orbit goes from the origin, and how far the fibre coordinate may go."""
 
-from functools import cache
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from thurston_cl.lattice.forms import CURVATURE, Array
-
-if TYPE_CHECKING:
-    from thurston_cl.geometry import Geometry
 
 
 def orbit_radius(geometry: str, points: ArrayLike) -> Array:
@@ -20,7 +14,9 @@ def orbit_radius(geometry: str, points: ArrayLike) -> Array:
     p = np.asarray(points, dtype=np.float64)
     match geometry:
         case "nil" | "sl2":
-            return np.asarray(_kernels(geometry).distance(p.reshape(-1, 4)).reshape(p.shape[:-1]))
+            from thurston_cl.geometry import for_few_points
+
+            return np.asarray(for_few_points(geometry).distance(p.reshape(-1, 4)).reshape(p.shape[:-1]))
         case "s2xe":
             return np.hypot(np.arctan2(np.hypot(p[..., 0], p[..., 1]), p[..., 2]), p[..., 3])
         case "h2xe":
@@ -32,13 +28,6 @@ def orbit_radius(geometry: str, points: ArrayLike) -> Array:
             return np.asarray(np.arctan2(np.linalg.norm(p[..., :3], axis=-1), p[..., 3]))
         case _:
             return np.asarray(np.arccosh(np.maximum(1.0, p[..., 3])))
-
-
-@cache
-def _kernels(geometry: str) -> "Geometry":
-    from thurston_cl.geometry import Geometry
-
-    return Geometry(geometry)
 
 
 def climb_time(geometry: str, rho: ArrayLike, height: ArrayLike) -> Array:

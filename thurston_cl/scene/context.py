@@ -6,19 +6,12 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from pydantic import BaseModel, ValidationError, ValidationInfo
 
+from thurston_cl.models import GEOMETRIES
+
 if TYPE_CHECKING:
     from thurston_cl.lattice import Lattice
 
 Model = TypeVar("Model", bound=BaseModel)
-
-GEOMETRIES = ("e3", "s3", "h3", "s2xe", "h2xe", "nil", "sl2")
-# In these every point lies on a line of its own, the fibre. Isometries keep the fibres, so that the vertical
-# direction, along them, and the horizontal ones, across them, cannot be turned into each other.
-PRODUCTS = ("s2xe", "h2xe")
-TWISTED = ("nil", "sl2")
-FIBRED = PRODUCTS + TWISTED
-# Rows of an isometry and numbers of a wall: a 1 below the four coordinates where the fourth is not linear.
-HOMOGENEOUS = {"e3": 4, "s3": 4, "h3": 4, "nil": 4, "s2xe": 5, "h2xe": 5, "sl2": 5}
 
 
 @dataclass

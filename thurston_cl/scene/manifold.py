@@ -5,8 +5,10 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo
 
+from thurston_cl.models import GEOMETRIES, HOMOGENEOUS
+
 from .base import Node, Problem, problem, shown
-from .context import GEOMETRIES, HOMOGENEOUS, Context, context_of
+from .context import Context, context_of
 from .suggest import did_you_mean, listing
 from .values import AtLeast, Lengths, Number, Says
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice, elements
-from thurston_cl.lattice.isometry import BASE_CURVATURE, act, compose, fibre, inverse, origin
+from thurston_cl.lattice.isometry import act, compose, fibre, inverse, origin
+from thurston_cl.models import FIBRED
 from thurston_cl.scene import schema
 from thurston_cl.scene.placement import Placement
 
@@ -101,7 +102,7 @@ def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice,
 def balls_over_walls(lattice: Lattice, centres: Array, radius: float) -> Array:
     """The images (M,4) of centres (N,4) of balls, besides these themselves, whose balls reach into the cell.
 
-    In a Dirichlet domain there are none: what such a ball covers there, that about the cell's own centre does.
+    None in a Dirichlet domain: what such a ball covers of it, that about its own centre covers too.
     """
     if lattice.is_dirichlet:
         return centres[:0]
@@ -142,7 +143,7 @@ def _bounds(solid: schema.Solid, outer: Array, place: Placement) -> list[_Bound]
     match solid.kind:
         case "ball":
             return [_Bound(act(geometry, frame, origin(geometry)), solid.shape.radius, False)]
-        case "cylinder" if geometry in BASE_CURVATURE and solid.shape.along[2] != 0:
+        case "cylinder" if geometry in FIBRED and solid.shape.along[2] != 0:
             return [_Bound(act(geometry, frame, origin(geometry)), solid.shape.radius, True)]
         case "union":
             members = [_bounds(member, frame, place) for member in solid.shape]

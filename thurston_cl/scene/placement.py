@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 from thurston_cl.geometry import Geometry
 from thurston_cl.lattice import Lattice
 from thurston_cl.lattice.isometry import (
-    TWISTED,
     act,
     compose,
     identity,
@@ -21,6 +20,7 @@ from thurston_cl.lattice.isometry import (
     stabilizer,
     vector_map,
 )
+from thurston_cl.models import TWISTED
 from thurston_cl.scene import schema
 
 Array = NDArray[np.float64]

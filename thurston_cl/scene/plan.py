@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from thurston_cl import device as devices
 from thurston_cl.device import Device
-from thurston_cl.geometry import Geometry
+from thurston_cl.geometry import for_few_points
 from thurston_cl.lattice import cell_table
 from thurston_cl.lattice.prism import Prism
 from thurston_cl.program import Source, geometry_parts
@@ -137,7 +137,7 @@ def make_plan(
     """
     device = device or devices.choose()
     wanted = {channel for output in scene.outputs for channel in output.channels} | set(channels)
-    geometry = Geometry(scene.geometry, "double" if device.info.fp64 else "single", device)
+    geometry = for_few_points(scene.geometry, device)
     numbers = Numbers([scene.render.threshold, _far(scene)])
     place = Placement(geometry)
     cells, next_cell = _cells(scene, wanted)

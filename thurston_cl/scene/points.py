@@ -1,10 +1,11 @@
 """Points of a scene: a vector to flow along, or coordinates in the model."""
 
-import math
 from collections.abc import Iterator
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, TypeAdapter, ValidationInfo
+
+from thurston_cl.models import MODEL, off_model
 
 from .base import Node, Problem, problem, shown
 from .context import Context, context_of
@@ -27,25 +28,11 @@ class ModelPoint(Node):
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
-        x, y, z, w = self.model
-        square = x * x + y * y + z * z
-        match context.geometry:
-            case "e3" | "nil":
-                off, rule = w - 1, "w = 1"
-            case "s3":
-                off, rule = square + w * w - 1, "x² + y² + z² + w² = 1"
-            case "h3":
-                # Far out on the sheet both sides are large, so written decimals count relative to them.
-                off = (square + 1 - w * w) / (w * w) if w > 0 else math.inf
-                rule = "w = √(1 + x² + y² + z²)"
-            case "s2xe":
-                off, rule = square - 1, "x² + y² + z² = 1"
-            case "h2xe" | "sl2":
-                off = (x * x + y * y + 1 - z * z) / (z * z) if z > 0 else math.inf
-                rule = "z = √(1 + x² + y²)"
-            case _:
-                return
+        if context.geometry is None:
+            return
+        off = off_model(context.geometry, *self.model)
         if abs(off) > _WRITTEN:
+            rule = MODEL[context.geometry]
             yield Problem(("model",), f"this is not a point of the geometry, where {rule}")
 
 

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr
 
 from thurston_cl.errors import SceneError
+from thurston_cl.models import GEOMETRIES
 
 from .base import Node, problem, shown
 from .camera import Camera, Look, Perspective, Projection, Step
-from .context import GEOMETRIES, Context
+from .context import Context
 from .lights import Effects, ExponentialFog, Fog, Light, PointLight
 from .manifold import ManifoldValue, MatrixLattice
 from .parse import Location

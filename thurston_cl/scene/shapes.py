@@ -6,8 +6,10 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo
 
+from thurston_cl.models import FIBRED, PRODUCTS, TWISTED
+
 from .base import Node, Problem, problem, shown
-from .context import FIBRED, PRODUCTS, TWISTED, Context, context_of
+from .context import Context, context_of
 from .points import Point
 from .surfaces import Material, MaterialValue
 from .values import Angle, AtLeast, Direction, Number, OneOrMore, Positive, Says

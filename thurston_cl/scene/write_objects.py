@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice, paths
 from thurston_cl.lattice.isometry import (
-    BASE_CURVATURE,
     act,
     compose,
     identity,
@@ -16,6 +15,7 @@ from thurston_cl.lattice.isometry import (
     snap,
     vector_map,
 )
+from thurston_cl.models import FIBRED
 from thurston_cl.scene import schema
 from thurston_cl.scene.near_walls import balls_over_walls, images, is_hollow
 from thurston_cl.scene.numbers import Numbers, components, homogeneous
@@ -217,7 +217,7 @@ class _SolidText:
 
     def _cylinder(self, shape: schema.Cylinder, frame: Array) -> tuple[str, str]:
         """About the fibre or across it, or in any direction where there are no fibres."""
-        level = self._geometry in BASE_CURVATURE and shape.along[2] == 0
+        level = self._geometry in FIBRED and shape.along[2] == 0
         turned = self._turned(frame, X_AXIS if level else Z_AXIS, shape.along)
         return self._leaf("level_cylinder" if level else "cylinder", turned, self._numbers.term(shape.radius))
 
@@ -226,9 +226,9 @@ class _SolidText:
     ) -> tuple[str, str]:
         """Bounded by the plane across a geodesic; in fibred geometries over a line of the base, or level."""
         name, axis = "half_space", Z_AXIS
-        if self._geometry in BASE_CURVATURE and normal[2] == 0:
+        if self._geometry in FIBRED and normal[2] == 0:
             name, axis = "vertical_half_space", X_AXIS
-        elif self._geometry in BASE_CURVATURE:
+        elif self._geometry in FIBRED:
             name = "horizontal_half_space"
             if crossing == "bisection":
                 self._parts.add(f"shape/{name}.h")

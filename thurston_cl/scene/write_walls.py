@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice
-from thurston_cl.lattice.isometry import TWISTED, fibre, vector_map
+from thurston_cl.lattice.isometry import fibre, vector_map
+from thurston_cl.models import TWISTED
 from thurston_cl.scene.numbers import ONE, Numbers, components, homogeneous
 from thurston_cl.scene.writer import Writer
 
