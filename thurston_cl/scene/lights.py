@@ -55,7 +55,7 @@ class PointLight(Node):
 
     @classmethod
     def fill(cls, data: dict[str, Any], context: Context) -> None:
-        data.setdefault("geodesics", 2 if context.geometry in ("s3", "s2xe") else 1)
+        data.setdefault("geodesics", usual_geodesics(context.geometry))
         if not context.manifold:
             data.setdefault("translates", 1)
 
@@ -72,6 +72,11 @@ class PointLight(Node):
         elif not self.repeated and "translates" in self.model_fields_set:
             message = "a light that is not repeated has no translates"
             yield Problem(("translates",), message, "leave one of the two out", True)
+
+
+def usual_geodesics(geometry: str | None) -> int:
+    """Along how many geodesics light shines where a scene does not say: round a sphere it comes both ways."""
+    return 2 if geometry in ("s3", "s2xe") else 1
 
 
 def _translates(value: Any) -> Any:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice, elements
 from thurston_cl.lattice.isometry import act, compose, fibre, inverse, origin
-from thurston_cl.models import FIBRED
+from thurston_cl.models import FIBRED, PRODUCTS
 from thurston_cl.scene import schema
 from thurston_cl.scene.placement import Placement
 
@@ -51,15 +51,19 @@ def _symmetric_hollow(solid: schema.Solid) -> bool:
             return False
 
 
-def is_hollow(solid: schema.Solid) -> bool:
-    """Whether a solid fills the cell but for something: over a wall it would fill its neighbour's hollow."""
+def is_hollow(solid: schema.Solid, geometry: str) -> bool:
+    """Whether a solid fills the cell, or a floor of it, but for something: over a wall it would fill what its
+    neighbour leaves out.
+    """
     match solid.kind:
         case "tile" | "complement":
             return True
         case "intersection" | "union":
-            return all(is_hollow(member) for member in solid.shape)
+            return all(is_hollow(member, geometry) for member in solid.shape)
         case "difference":
-            return is_hollow(solid.shape[0])
+            first = solid.shape[0]
+            floor = first.kind in ("slab", "half-space") and first.shape.normal[2] != 0
+            return (floor and geometry in PRODUCTS) or is_hollow(first, geometry)
         case _:
             return False
 
@@ -79,11 +83,11 @@ def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice,
     `frame` (n,n) carries what the solid belongs to into the cell.
     """
     geometry = lattice.geometry
-    if is_hollow(solid) or near_walls in ("whole space", "domain", "creeping"):
+    if is_hollow(solid, geometry) or near_walls in ("whole space", "domain", "creeping"):
         return lattice.inverses[:0]
     if near_walls in ("neighbours", "both"):
         return lattice.inverses
-    bounds = _bounds(solid, frame, place)
+    bounds = bounds_of(solid, frame, place)
     if bounds is None:
         return _around_edges(lattice)
     near = elements(lattice, count=SEARCHED)[1:]
@@ -136,7 +140,7 @@ def _one_a_base(geometry: str, found: Array) -> Array:
     return found[np.sort(first[first > 0]) - 1]
 
 
-def _bounds(solid: schema.Solid, outer: Array, place: Placement) -> list[_Bound] | None:
+def bounds_of(solid: schema.Solid, outer: Array, place: Placement) -> list[_Bound] | None:
     """What holds a solid together; None for a solid without bound."""
     geometry = place.geometry.name
     frame = compose(geometry, outer, place.isometry(solid.at, solid.rotate))
@@ -146,15 +150,15 @@ def _bounds(solid: schema.Solid, outer: Array, place: Placement) -> list[_Bound]
         case "cylinder" if geometry in FIBRED and solid.shape.along[2] != 0:
             return [_Bound(act(geometry, frame, origin(geometry)), solid.shape.radius, True)]
         case "union":
-            members = [_bounds(member, frame, place) for member in solid.shape]
+            members = [bounds_of(member, frame, place) for member in solid.shape]
             if None in members:
                 return None
             return [bound for member in members if member is not None for bound in member]
         case "intersection":
-            members = [_bounds(member, frame, place) for member in solid.shape]
+            members = [bounds_of(member, frame, place) for member in solid.shape]
             return next((member for member in members if member is not None), None)
         case "difference":
-            return _bounds(solid.shape[0], frame, place)
+            return bounds_of(solid.shape[0], frame, place)
         case _:
             return None
 

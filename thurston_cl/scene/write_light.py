@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice, elements, neighbours
 from thurston_cl.lattice.isometry import act, inverse
+from thurston_cl.scene.lights import usual_geodesics
 from thurston_cl.scene.placement import CameraFrame
 from thurston_cl.scene.writer import Writer
 
@@ -31,7 +32,7 @@ DEFAULT_LIGHTS_IN_CELL = (
 class _Asked:
     """What a light asks for. Lights that ask for the same share a loop."""
 
-    geodesics: int = 1
+    geodesics: int
     shadowed: bool = False
     falloff: str = "area"
     repeated: bool = True
@@ -61,7 +62,7 @@ def write_lights(writer: Writer, camera: CameraFrame) -> int:
             images = _images(writer.lattice, point.translates, carried[0])
         loops.setdefault(asked, []).extend((image, color) for image in images)
     if not writer.scene.lights:
-        loops[_Asked()] = _default_lights(camera, writer)
+        loops[_Asked(usual_geodesics(writer.geometry.name))] = _default_lights(camera, writer)
     writer.parts.add("light/point.h")
     body = ["real3_lanes seen = phong_ambient(s);"]
     for asked, images_of in loops.items():

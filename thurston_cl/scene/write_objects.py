@@ -17,16 +17,12 @@ from thurston_cl.lattice.isometry import (
 )
 from thurston_cl.models import FIBRED
 from thurston_cl.scene import schema
-from thurston_cl.scene.near_walls import balls_over_walls, images, is_hollow
+from thurston_cl.scene.near_walls import balls_over_walls, bounds_of, images, is_hollow
 from thurston_cl.scene.numbers import Numbers, components, homogeneous
 from thurston_cl.scene.placement import X_AXIS, Z_AXIS
-from thurston_cl.scene.writer import Writer
+from thurston_cl.scene.writer import DIRECTED, Writer
 
 Array = NDArray[np.float64]
-
-
-# Shapes that are bounded along the ray only: their distance takes its vector too.
-DIRECTED = ("horizontal_half_space", "bisected_half_space")
 
 
 def write_objects(writer: Writer) -> int:
@@ -138,7 +134,7 @@ def _over_walls(writer: Writer, lattice: Lattice, k: int, seen: Array) -> tuple[
 
 def _carry(writer: Writer, solid: schema.Solid, location: tuple[str | int, ...]) -> Array:
     """The group element (n,n) that leads a solid's centre into the cell; 1 for what fills the cell."""
-    if writer.lattice is None or is_hollow(solid):
+    if writer.lattice is None or is_hollow(solid, writer.geometry.name):
         return identity(writer.geometry.name)
     centre = writer.place.point(solid.at)
     _, element, ok = writer.lattice.teleport(centre[None])
@@ -176,6 +172,7 @@ class _SolidText:
         self._numbers, self._parts = writer.numbers, writer.parts
         self._place, self._lattice = writer.place, writer.lattice
         self._geometry = writer.geometry.name
+        self._near_walls, self._hollow = writer.near_walls, is_hollow(solid, self._geometry)
         self._count = 0
         self.lines: list[str] = []
         self.distance, self.name = self._solid(solid, outer)
@@ -185,18 +182,15 @@ class _SolidText:
         frame = compose(self._geometry, outer, self._place.isometry(solid.at, solid.rotate))
         shape = solid.shape
         match solid.kind:
-            case "union" | "difference" | "intersection" as kind:
-                members = [self._solid(member, frame) for member in shape]
-                if kind == "difference":
-                    members[1:] = [self._complement(member) for member in members[1:]]
-                minimum, combined = ("fmin", "union_of") if kind == "union" else ("fmax", "intersection_of")
-                distance, name = members[0]
-                for other, other_name in members[1:]:
-                    distance = f"{minimum}({distance}, {other})"
-                    name = self._let(f"{combined}({name}, {other_name})")
-                return distance, name
+            case "union":
+                return self._union([self._solid(member, frame) for member in shape])
+            case "intersection":
+                return self._intersection([self._solid(member, frame) for member in shape])
+            case "difference":
+                left_out = [self._complement(self._left_out(member, frame)) for member in shape[1:]]
+                return self._intersection([self._solid(shape[0], frame), *left_out])
             case "complement":
-                return self._complement(self._solid(shape, frame))
+                return self._complement(self._left_out(shape, frame))
             case "ball":
                 return self._leaf("ball", frame, self._numbers.term(shape.radius))
             case "cylinder":
@@ -239,6 +233,36 @@ class _SolidText:
 
     def _turned(self, frame: Array, axis: Array, goal: Sequence[float]) -> Array:
         return compose(self._geometry, frame, self._place.turn(axis, goal))
+
+    def _left_out(self, solid: schema.Solid, frame: Array) -> tuple[str, str]:
+        """What a difference or complement leaves out; in a hollow with those images that reach into the cell,
+        for its neighbours leave out the same.
+        """
+        own = self._solid(solid, frame)
+        if not self._hollow or self._lattice is None or bounds_of(solid, frame, self._place) is None:
+            return own
+        seen = images(solid, frame, self._near_walls, self._lattice, self._place)
+        if len(seen) == 0:
+            return own
+        if solid.kind == "ball":
+            centre = act(self._geometry, frame, self._place.point(solid.at))
+            return self._union([own, self._ball_set(act(self._geometry, seen, centre), solid.shape.radius)])
+        return self._union(
+            [own, *(self._solid(solid, compose(self._geometry, element, frame)) for element in seen)]
+        )
+
+    def _union(self, members: list[tuple[str, str]]) -> tuple[str, str]:
+        return self._combined("fmin", "union_of", members)
+
+    def _intersection(self, members: list[tuple[str, str]]) -> tuple[str, str]:
+        return self._combined("fmax", "intersection_of", members)
+
+    def _combined(self, nearer: str, combined: str, members: list[tuple[str, str]]) -> tuple[str, str]:
+        distance, name = members[0]
+        for other, other_name in members[1:]:
+            distance = f"{nearer}({distance}, {other})"
+            name = self._let(f"{combined}({name}, {other_name})")
+        return distance, name
 
     def _complement(self, member: tuple[str, str]) -> tuple[str, str]:
         distance, name = member
@@ -300,10 +324,7 @@ class _SolidText:
                 centres = act(self._geometry, frame, np.array(points))
                 over = balls_over_walls(self._lattice, centres, radius)
                 members.append(self._ball_set(np.concatenate([centres, over]), radius))
-        distance, name = members[0]
-        for other, other_name in members[1:]:
-            distance, name = f"fmin({distance}, {other})", self._let(f"union_of({name}, {other_name})")
-        return self._complement((distance, name))
+        return self._complement(self._union(members))
 
 
 def _paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[str], surface: str) -> str:

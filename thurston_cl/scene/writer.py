@@ -13,6 +13,9 @@ from thurston_cl.scene.placement import Placement
 
 Array = NDArray[np.float64]
 
+# Shapes that are bounded along the ray only: their distance takes its vector too.
+DIRECTED = ("horizontal_half_space", "bisected_half_space")
+
 
 @dataclass
 class Writer:
@@ -44,8 +47,9 @@ class Writer:
 
     @property
     def creeping(self) -> bool:
-        """Whether rays stop at walls (paper 4.2.1)."""
-        return self.near_walls in ("creeping", "both", "images")
+        """Whether rays stop at walls (paper 4.2.1): always where a bound holds along the ray alone."""
+        directed = any(f"shape/{shape}.h" in self.parts for shape in DIRECTED)
+        return directed or self.near_walls in ("creeping", "both", "images")
 
     @property
     def place(self) -> Placement:
