@@ -333,28 +333,28 @@ MISTAKES = {
     "slanted half-space in nil": Mistake(
         an_object("half-space: {normal: [1, 0, -2]}", "nil"),
         "3:26",
-        "in nil the normal of a half-space is along the fibre, [0, 0, 1], or across it, [x, y, 0]",
+        "in nil the normal of a half-space is along the fiber, [0, 0, 1], or across it, [x, y, 0]",
         "write [0, 0, -1] or [1, 0, 0]",
         schema=False,
     ),
     "slanted slab in h2xe": Mistake(
         an_object("slab: {normal: [0, 1, 1], thickness: 1}", "h2xe"),
         "3:20",
-        "in h2xe the normal of a slab is along the fibre",
+        "in h2xe the normal of a slab is along the fiber",
         "write [0, 0, 1] or [0, 1, 0]",
         schema=False,
     ),
     "slanted cylinder in h2xe": Mistake(
         an_object("cylinder: {radius: 1, along: [0, 1, 1]}", "h2xe"),
         "3:34",
-        "in h2xe a cylinder is along the fibre, [0, 0, 1], or across it",
+        "in h2xe a cylinder is along the fiber, [0, 0, 1], or across it",
         "write [0, 0, 1] or [0, 1, 0]",
         schema=False,
     ),
     "horizontal cylinder in sl2": Mistake(
         an_object("cylinder: {radius: 1, along: [1, 0, 0]}", "sl2"),
         "3:34",
-        "in sl2 a cylinder stands along the fibre",
+        "in sl2 a cylinder stands along the fiber",
         "write [0, 0, 1]",
         schema=False,
     ),
@@ -378,15 +378,15 @@ MISTAKES = {
     "slanted rotation in nil": Mistake(
         an_object("{ball: {radius: 1}, rotate: {axis: [1, 1, 1], angle: 180 deg}}", "nil"),
         "3:40",
-        "in nil the axis of a rotation is along the fibre",
+        "in nil the axis of a rotation is along the fiber",
         "write [0, 0, 1] or [1, 1, 0]",
         schema=False,
     ),
-    "quarter turn of a fibre": Mistake(
+    "quarter turn of a fiber": Mistake(
         an_object("{ball: {radius: 1}, rotate: [{axis: [1, 1, 0], angle: 90 deg}]}", "sl2"),
         "3:59",
         "about a horizontal axis sl2 can be turned by 180 deg only; this is 90 deg",
-        "turn about the fibre: axis: [0, 0, 1]",
+        "turn about the fiber: axis: [0, 0, 1]",
         schema=False,
     ),
     "horoball in e3": Mistake(

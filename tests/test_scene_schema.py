@@ -269,28 +269,28 @@ def test_sizes(geometry: str, text: str, bound: float) -> None:
 
 
 @pytest.mark.parametrize("geometry", FIBRED)
-def test_directions_keep_fibres(geometry: str) -> None:
+def test_directions_keep_fibers(geometry: str) -> None:
     for normal in ([0, 0, 1], [0, 0, -2], [1, 0, 0], [-3, 4, 0]):
         half_space = of_geometry(geometry, f"half-space: {{normal: {normal}}}").shape
         assert isinstance(half_space, HalfSpace)
         assert half_space.normal == tuple(normal)
         assert isinstance(of_geometry(geometry, f"slab: {{normal: {normal}, thickness: 1}}").shape, Slab)
     for text in ("half-space: {normal: [1e-9, 0, 1]}", "slab: {normal: [1, 0, 1e-9], thickness: 1}"):
-        with pytest.raises(SceneError, match="along the fibre"):
+        with pytest.raises(SceneError, match="along the fiber"):
             of_geometry(geometry, text)
     of_geometry(geometry, "cylinder: {radius: 1, along: [0, 0, -1]}")
     horizontal = "cylinder: {radius: 1, along: [1, 1, 0]}"
     if geometry in ("nil", "sl2"):
         assert of_geometry(geometry, "half-space: {}").shape.crossing == "directed"
         assert of_geometry(geometry, "half-space: {crossing: bisection}").shape.crossing == "bisection"
-        with pytest.raises(SceneError, match="stands along the fibre"):
+        with pytest.raises(SceneError, match="stands along the fiber"):
             of_geometry(geometry, horizontal)
     else:
         of_geometry(geometry, horizontal)
 
 
 @pytest.mark.parametrize("geometry", FIBRED)
-def test_turns_keep_fibres(geometry: str) -> None:
+def test_turns_keep_fibers(geometry: str) -> None:
     def turned(axis: str, angle: str) -> None:
         of_geometry(geometry, f"{{ball: {{radius: 1}}, rotate: {{axis: {axis}, angle: {angle}}}}}")
 

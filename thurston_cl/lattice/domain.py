@@ -66,6 +66,11 @@ class Lattice(ABC):
         return inverse(self.geometry, self.maps)
 
     @property
+    def over_walls(self) -> Array:
+        """The elements (M,n,n) that carry the domain to the cells that share a piece of a wall with it."""
+        return self.inverses
+
+    @property
     @abstractmethod
     def level_walls(self) -> tuple[int, ...]:
         """Indices of the walls at a value of the fibre coordinate, behind all the others."""

@@ -13,8 +13,8 @@ from thurston_cl.lattice.radius import orbit_radius
 
 
 def neighbours(lattice: Lattice) -> Array:
-    """The identity, then per wall the element that carries the domain to its neighbour there: (F+1,n,n)."""
-    return np.concatenate([identity(lattice.geometry)[None], lattice.inverses])
+    """The identity, then the elements that carry the domain to its neighbours over the walls: (M+1,n,n)."""
+    return np.concatenate([identity(lattice.geometry)[None], lattice.over_walls])
 
 
 def elements(lattice: Lattice, count: int | None = None, radius: float | None = None) -> Array:

@@ -14,6 +14,7 @@ from thurston_cl.lattice.isometry import (
     dimension,
     fibre,
     inverse,
+    on_model,
     origin,
     snap,
     tidy,
@@ -29,6 +30,12 @@ from thurston_cl.models import TWISTED
 BISECTOR = 1e-9
 # Levels of nil up to this height are nearest straight above o.
 STRAIGHT_BELOW = float(np.sqrt(6.0))
+# A side is looked over at so many places along it and up: what touches a smaller part of it is left out.
+LOOKS = 16
+# How far over it, relative to its distance: far above rounding, far below a cell.
+BEYOND = 1e-6
+# Digits after the point by which elements are told apart.
+DIGITS = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +92,29 @@ class Prism(Lattice):
             if moved > BISECTOR or np.max(np.abs(expected - wall)) > BISECTOR:
                 return False
         return True
+
+    @cached_property
+    def over_walls(self) -> Array:
+        """Elements (M,n,n) that carry the domain to the cells that share a piece of a wall with it. In nil
+        and sl2 a side has several, at different heights (paper 9.9, figure 50).
+        """
+        corners = [corner for corner in self.polygon.corners if corner.kind == "finite"]
+        of_sides = [[c.vector for c in corners if side in c.sides] for side in range(len(self.polygon.sides))]
+        pairs = [ends for ends in of_sides if len(ends) == 2]
+        if self.geometry not in TWISTED or not pairs or not np.all(np.isfinite(self.levels)):
+            return self.inverses
+        parts = (np.arange(LOOKS) + 0.5) / LOOKS
+        feet = np.concatenate([a * parts[:, None] + b * (1.0 - parts[:, None]) for a, b in pairs])
+        if curvature(self.polygon.base) != 0:
+            feet /= np.sqrt(np.abs(np.sum(form(self.polygon.base) * feet * feet, axis=1)))[:, None]
+        low, high = self.levels
+        points = np.concatenate([lift(self.geometry, feet, low + part * (high - low)) for part in parts])
+        points[:, :2] *= 1.0 + BEYOND
+        _, back, _ = self.teleport(on_model(self.geometry, points))
+        _, first = np.unique(np.round(back.reshape(len(back), -1), DIGITS) + 0.0, axis=0, return_index=True)
+        return np.concatenate(
+            [inverse(self.geometry, back[np.sort(first)]), self.inverses[list(self.level_walls)]]
+        )
 
     @property
     def inradius(self) -> float:

@@ -49,8 +49,8 @@ class PointLight(Node):
     repeated: Flag = Field(
         default=True,
         description="In a manifold: whether one such light stands in every cell. `false`: in the whole "
-        "tiling there is this one only, seen from the 4096 cells next to the camera, in fibred geometries "
-        "from 131072 in columns along the fibre; others are dark.",
+        "tiling there is this one only, seen from the 4096 cells next to the camera, in fiberd geometries "
+        "from 131072 in columns along the fiber; others are dark.",
     )
 
     @classmethod

@@ -86,7 +86,7 @@ def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice,
     if is_hollow(solid, geometry) or near_walls in ("whole space", "domain", "creeping"):
         return lattice.inverses[:0]
     if near_walls in ("neighbours", "both"):
-        return lattice.inverses
+        return lattice.over_walls
     bounds = bounds_of(solid, frame, place)
     if bounds is None:
         return _around_edges(lattice)
@@ -104,12 +104,7 @@ def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice,
 
 
 def balls_over_walls(lattice: Lattice, centres: Array, radius: float) -> Array:
-    """The images (M,4) of centres (N,4) of balls, besides these themselves, whose balls reach into the cell.
-
-    None in a Dirichlet domain: what such a ball covers of it, that about its own centre covers too.
-    """
-    if lattice.is_dirichlet:
-        return centres[:0]
+    """The images (M,4) of centres (N,4) of balls, besides themselves, whose balls reach into the cell."""
     near = elements(lattice, count=SEARCHED)[1:]
     found = act(lattice.geometry, near[:, None], centres[None]).reshape(-1, centres.shape[1])
     found = found[lattice.clearance(found) > -radius]

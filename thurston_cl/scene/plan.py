@@ -23,11 +23,10 @@ from thurston_cl.scene.write_objects import write_objects
 from thurston_cl.scene.write_walls import write_walls
 from thurston_cl.scene.writer import Writer
 
-# How far a ray goes where the scene does not say. In s3 a ray is back where it began, in s2xe it comes round
-# and round. In h3, h2xe and sl2
-# nearby directions part like e^t, so that single precision, with log(1/EPSILON) = 16, has no digits left
-# beyond 15. A cell of finite volume has something to hit in every direction, and no background: there a ray
-# goes on, and what it shows beyond 15 is finer than any pixel.
+# How far a ray goes where the scene does not say. In s3 a ray is back where it began, in s2xe it
+# has been round six times. In h3, h2xe and sl2 nearby directions part like e^t, so that single precision,
+# with log(1/EPSILON) = 16, has no digits left beyond 15. A cell of finite volume has something to hit in
+# every direction, and no background: there a ray goes on, and what it shows beyond 15 is finer than a pixel.
 FAR = {"e3": 100.0, "s3": 2 * np.pi, "h3": 15.0, "s2xe": 40.0, "h2xe": 15.0, "nil": 100.0, "sl2": 15.0}
 FAR_IN_FINITE_CELL = FAR | dict.fromkeys(("h3", "h2xe", "sl2"), 40.0)
 

@@ -24,7 +24,7 @@ class ModelPoint(Node):
     model: Vec4 = Field(
         description="Coordinates in the model: w = 1 in e3 and nil; x² + y² + z² + w² = 1 in s3; "
         "x² + y² + z² − w² = −1 with w > 0 in h3; x² + y² + z² = 1 in s2xe and "
-        "x² + y² − z² = −1 with z > 0 in h2xe and sl2, where w is the place on the fibre."
+        "x² + y² − z² = −1 with z > 0 in h2xe and sl2, where w is the place on the fiber."
     )
 
     def check(self, context: Context) -> Iterator[Problem]:

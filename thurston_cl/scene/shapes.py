@@ -49,17 +49,17 @@ class Cylinder(Shape):
 
     radius: Positive = Field(
         description="Radius of the cylinder; less than π/2 in s3 and, of a horizontal one, in s2xe; less "
-        "than π about a fibre of s2xe."
+        "than π about a fiber of s2xe."
     )
     along: Direction = Field(
         default=(0, 0, 1),
-        description="Direction of the geodesic through the center: any in e3, s3 and h3; along the fibre, "
-        "[0, 0, 1], or horizontal, [x, y, 0], in s2xe and h2xe; along the fibre in nil and sl2.",
+        description="Direction of the geodesic through the center: any in e3, s3 and h3; along the fiber, "
+        "[0, 0, 1], or horizontal, [x, y, 0], in s2xe and h2xe; along the fiber in nil and sl2.",
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
         if context.geometry in FIBRED:
-            yield from _keeps_fibres(
+            yield from _keeps_fibers(
                 context, "along", self.along, "a cylinder", horizontal=context.geometry in PRODUCTS
             )
             if self.along[2] == 0:
@@ -72,14 +72,14 @@ class Cylinder(Shape):
 
 class HalfSpace(Shape):
     """All points on one side of a plane: a totally geodesic surface. In nil and sl2, which have none, it is
-    all fibres over a line of the base, or one level of the fibre coordinate."""
+    all fibers over a line of the base, or one level of the fiber coordinate."""
 
     what = "a half-space"
     example = "half-space: {normal: [0, 0, 1], offset: -0.5}"
 
     normal: Direction = Field(
         default=(0, 0, 1),
-        description="Points out of the half-space, at the center. In the fibred geometries s2xe, h2xe, nil "
+        description="Points out of the half-space, at the center. In the fiberd geometries s2xe, h2xe, nil "
         "and sl2 it is [0, 0, ±1], and the plane is horizontal, or [x, y, 0], and the plane is vertical.",
     )
     offset: Number = Field(
@@ -96,7 +96,7 @@ class HalfSpace(Shape):
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _keeps_fibres(context, "normal", self.normal, "the normal of a half-space")
+        yield from _keeps_fibers(context, "normal", self.normal, "the normal of a half-space")
         if context.geometry == "s3" or self.normal[2] == 0:
             yield from _fits(context, "offset", self.offset, "π/2", "an offset, to either side,")
         if "crossing" in self.model_fields_set and context.geometry is not None:
@@ -124,7 +124,7 @@ class Slab(Shape):
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _keeps_fibres(context, "normal", self.normal, "the normal of a slab")
+        yield from _keeps_fibers(context, "normal", self.normal, "the normal of a slab")
         if context.geometry == "s3" or self.normal[2] == 0:
             yield from _fits(context, "thickness", self.thickness, "π", "the thickness of a slab")
 
@@ -186,43 +186,43 @@ def _fits(context: Context, key: str, value: float, bound: str, what: str) -> It
         yield Problem((key,), message, help)
 
 
-def _keeps_fibres(
+def _keeps_fibers(
     context: Context, key: str, direction: tuple[float, float, float], what: str, horizontal: bool = True
 ) -> Iterator[Problem]:
-    """Isometries of the fibred geometries turn no direction along the fibre into another; `horizontal`:
-    whether what is meant can also lie across the fibre."""
+    """Isometries of the fiberd geometries turn no direction along the fiber into another; `horizontal`:
+    whether what is meant can also lie across the fiber."""
     if context.geometry not in FIBRED:
         return
-    x, y, fibre = direction
-    if (x == 0 and y == 0) or (horizontal and fibre == 0):
+    x, y, fiber = direction
+    if (x == 0 and y == 0) or (horizontal and fiber == 0):
         return
     if not horizontal:
-        message = f"in {context.geometry} {what} stands along the fibre, [0, 0, 1]"
+        message = f"in {context.geometry} {what} stands along the fiber, [0, 0, 1]"
         yield Problem((key,), message, "write [0, 0, 1]")
         return
-    cure = f"write [0, 0, {math.copysign(1, fibre):g}] or [{x:g}, {y:g}, 0]"
-    message = f"in {context.geometry} {what} is along the fibre, [0, 0, 1], or across it, [x, y, 0]"
+    cure = f"write [0, 0, {math.copysign(1, fiber):g}] or [{x:g}, {y:g}, 0]"
+    message = f"in {context.geometry} {what} is along the fiber, [0, 0, 1], or across it, [x, y, 0]"
     yield Problem((key,), message, cure)
 
 
 class Rotation(Node):
-    """A turn about a geodesic through the center of the object, right-handed about its axis. In the fibred
-    geometries s2xe, h2xe, nil and sl2 a turn has to keep the fibres."""
+    """A turn about a geodesic through the center of the object, right-handed about its axis. In the fiberd
+    geometries s2xe, h2xe, nil and sl2 a turn has to keep the fibers."""
 
     what = "a rotation"
     example = "rotate: {axis: [0, 0, 1], angle: 30 deg}"
 
     axis: Direction = Field(
-        description="The axis: any in e3, s3 and h3; in the fibred geometries [0, 0, ±1], along the fibre, "
+        description="The axis: any in e3, s3 and h3; in the fiberd geometries [0, 0, ±1], along the fiber, "
         "or horizontal, [x, y, 0]."
     )
     angle: Angle = Field(
-        description="How far to turn; about a horizontal axis of a fibred geometry by 180 deg, which turns "
-        "the fibre over."
+        description="How far to turn; about a horizontal axis of a fiberd geometry by 180 deg, which turns "
+        "the fiber over."
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _keeps_fibres(context, "axis", self.axis, "the axis of a rotation")
+        yield from _keeps_fibers(context, "axis", self.axis, "the axis of a rotation")
         if context.geometry in FIBRED and self.axis[2] == 0:
             halves = self.angle / math.pi
             if abs(halves - round(halves)) > _HALF_TURN:
@@ -230,7 +230,7 @@ class Rotation(Node):
                     ("angle",),
                     f"about a horizontal axis {context.geometry} can be turned by 180 deg only; this is "
                     f"{math.degrees(self.angle):.10g} deg",
-                    "write '180 deg', or turn about the fibre: axis: [0, 0, 1]",
+                    "write '180 deg', or turn about the fiber: axis: [0, 0, 1]",
                 )
 
 

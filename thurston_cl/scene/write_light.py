@@ -27,6 +27,9 @@ DEFAULT_LIGHTS_IN_CELL = (
     ((-0.7, -0.25, 0.4), (0.26, 0.56, 1.4)),
 )
 
+# What the cool light gives where its images in the cells around shine along.
+FILL = 0.4
+
 
 @dataclass(frozen=True)
 class _Asked:
@@ -120,16 +123,21 @@ def _images(lattice: Lattice, translates: "int | str", point: Array) -> Array:
 
 
 def _default_lights(camera: CameraFrame, writer: Writer) -> list[tuple[Array, Array]]:
-    lights, unit, intensity = DEFAULT_LIGHTS, 1.0, 1.0
-    if writer.lattice is not None:
-        lights, unit = DEFAULT_LIGHTS_IN_CELL, writer.lattice.inradius
+    lights, unit, intensity, lattice = DEFAULT_LIGHTS, 1.0, 1.0, writer.lattice
+    if lattice is not None:
+        lights, unit = DEFAULT_LIGHTS_IN_CELL, lattice.inradius
         intensity = float(writer.geometry.area_density([0.0, 0.0, 1.0], unit)[0])
     placed: list[tuple[Array, Array]] = []
     for offset, color in lights:
         towards = unit * np.array(offset) @ camera.frame
         length = float(np.linalg.norm(towards))
         point = writer.geometry.flow(towards / length, length, base=camera.point)[0][0]
-        placed.append((point, intensity * np.array(color)))
+        images, strength = point[None], intensity
+        if lattice is not None and not lattice.is_dirichlet and placed:
+            # A ray sees in its cell what belongs to the neighbours too: the cool light fills it from there.
+            images = _images(lattice, "neighbours", lattice.teleport(point[None])[0][0])
+            strength *= FILL
+        placed += [(image, strength * np.array(color)) for image in images]
     return placed
 
 

@@ -168,10 +168,12 @@ def _check_tile(writer: Writer, solid: schema.Solid, location: tuple[str | int, 
 class _SolidText:
     """The text of one solid: `distance`, and statements `lines` that work out the surface called `name`."""
 
-    def __init__(self, writer: Writer, solid: schema.Solid, outer: Array) -> None:
+    def __init__(self, writer: Writer, solid: schema.Object, outer: Array) -> None:
         self._numbers, self._parts = writer.numbers, writer.parts
         self._place, self._lattice = writer.place, writer.lattice
         self._geometry = writer.geometry.name
+        # A set of balls has no coordinates on its surface.
+        self._plain = isinstance(solid.material.color, schema.Color)
         self._near_walls, self._hollow = writer.near_walls, is_hollow(solid, self._geometry)
         self._count = 0
         self.lines: list[str] = []
@@ -183,6 +185,9 @@ class _SolidText:
         shape = solid.shape
         match solid.kind:
             case "union":
+                balls = self._equal_balls(solid, outer) if self._plain and len(shape) > 1 else None
+                if balls is not None:
+                    return self._ball_set(*balls)
                 return self._union([self._solid(member, frame) for member in shape])
             case "intersection":
                 return self._intersection([self._solid(member, frame) for member in shape])
@@ -241,15 +246,32 @@ class _SolidText:
         own = self._solid(solid, frame)
         if not self._hollow or self._lattice is None or bounds_of(solid, frame, self._place) is None:
             return own
+        balls = self._equal_balls(solid, frame)
+        if balls is not None and self._near_walls == "images":
+            return self._union([own, *self._images_of(*balls)])
         seen = images(solid, frame, self._near_walls, self._lattice, self._place)
-        if len(seen) == 0:
-            return own
-        if solid.kind == "ball":
-            centre = act(self._geometry, frame, self._place.point(solid.at))
-            return self._union([own, self._ball_set(act(self._geometry, seen, centre), solid.shape.radius)])
         return self._union(
             [own, *(self._solid(solid, compose(self._geometry, element, frame)) for element in seen)]
         )
+
+    def _images_of(self, centres: Array, radius: float) -> list[tuple[str, str]]:
+        """The images of balls that reach over walls into the cell, none or as one set."""
+        assert self._lattice is not None
+        over = balls_over_walls(self._lattice, centres, radius)
+        return [self._ball_set(over, radius)] if len(over) else []
+
+    def _equal_balls(self, solid: schema.Solid, outer: Array) -> tuple[Array, float] | None:
+        """Centres (N,4) and radius of a ball, or of a union of balls of one size; None for other solids."""
+        frame = compose(self._geometry, outer, self._place.isometry(solid.at, solid.rotate))
+        if solid.kind == "ball":
+            return act(self._geometry, frame, origin(self._geometry))[None], solid.shape.radius
+        if solid.kind != "union":
+            return None
+        members = [self._equal_balls(member, frame) for member in solid.shape]
+        found = [member for member in members if member is not None]
+        if len(found) < len(members) or len({radius for _, radius in found}) != 1:
+            return None
+        return np.concatenate([centres for centres, _ in found]), found[0][1]
 
     def _union(self, members: list[tuple[str, str]]) -> tuple[str, str]:
         return self._combined("fmin", "union_of", members)
@@ -300,7 +322,7 @@ class _SolidText:
         return f"with_fibre_gain(p, {moved}, {row})"
 
     def _ball_set(self, centres: Array, radius: float) -> tuple[str, str]:
-        self._parts.add("shape/ball_set.h")
+        self._parts |= {"shape/ball.h", "shape/ball_set.h"}
         arguments = (
             f"(p, scene, {self._numbers.add(centres.ravel())}, {len(centres)}, {self._numbers.term(radius)})"
         )
@@ -312,18 +334,19 @@ class _SolidText:
         """
         assert self._lattice is not None
         members = [self._leaf("ball", frame, self._numbers.term(tile.ball))]
-        middle = act(self._geometry, frame, origin(self._geometry))[None]
-        over = balls_over_walls(self._lattice, middle, tile.ball)
-        if len(over):
-            members.append(self._ball_set(over, tile.ball))
+        # What images of them cover of a Dirichlet domain, they cover themselves.
+        alone = self._lattice.is_dirichlet
+        if not alone:
+            middle = act(self._geometry, frame, origin(self._geometry))[None]
+            members += self._images_of(middle, tile.ball)
         polyhedron = self._lattice.polyhedron
         corners = [vertex.vector for vertex in polyhedron.vertices] if tile.vertices is not None else []
         middles = [edge.point for edge in polyhedron.edges] if tile.edges is not None else []
         for points, radius in ((corners, tile.vertices), (middles, tile.edges)):
             if radius is not None:
                 centres = act(self._geometry, frame, np.array(points))
-                over = balls_over_walls(self._lattice, centres, radius)
-                members.append(self._ball_set(np.concatenate([centres, over]), radius))
+                members += [self._ball_set(centres, radius)]
+                members += [] if alone else self._images_of(centres, radius)
         return self._complement(self._union(members))
 
 
