@@ -15,11 +15,9 @@ from small_kernels import Body, SmallKernels
 
 from thurston_cl.device import Device
 from thurston_cl.geometry import ORIGIN, Geometry
-from thurston_cl.program import GEOMETRIES, geometry_parts, kernel_text
+from thurston_cl.models import FIBRED, GEOMETRIES, HOMOGENEOUS, TWISTED
+from thurston_cl.program import geometry_parts, kernel_text
 
-FIBRED = ("s2xe", "h2xe", "nil", "sl2")
-TWISTED = ("nil", "sl2")
-SIZE = {name: 5 if name in ("s2xe", "h2xe", "sl2") else 4 for name in GEOMETRIES}
 FIBRE = {"s2xe": 3, "h2xe": 3, "nil": 2, "sl2": 3}
 
 _RAY = "point p = POINT(0); direction u = {IN(4), IN(5), IN(6)}; vector v = push(p, u);\n"
@@ -80,7 +78,7 @@ _LEVEL = Body(9, 1, _RAY + "OUT(0, level_time(p, v, IN(7), IN(8)));")
 
 
 def bodies(name: str) -> dict[str, Body]:
-    fifth = " + IN(11)" if SIZE[name] == 5 else ""
+    fifth = " + IN(11)" if HOMOGENEOUS[name] == 5 else ""
     aside = "wall_turning(p, v)" if name in TWISTED else "v"
     wall = (
         f"{_RAY} vector ahead = wall_velocity(p, v), aside = {aside};\n"
@@ -200,7 +198,7 @@ def unit(u: Array) -> Array:
 
 
 def homogeneous(name: str, p: Array) -> Array:
-    return np.concatenate([p, np.ones((*p.shape[:-1], 1))], axis=-1)[..., : SIZE[name]]
+    return np.concatenate([p, np.ones((*p.shape[:-1], 1))], axis=-1)[..., : HOMOGENEOUS[name]]
 
 
 def rays(at: Setting, count: int, radius: float, seed: int) -> tuple[Array, Array]:
@@ -318,7 +316,7 @@ def grazing_walls(at: Setting, p: Array, u: Array, t: Array, miss: Array, rng: n
 def walls_across(at: Setting, q: Array, normal: Array) -> Array:
     """The walls (N,n) through `q` with these unit normals in the frames there."""
     matrix = np.linalg.inv(at.g.translation_matrix(q))
-    n = np.einsum("ni,nij->nj", np.pad(normal, ((0, 0), (0, SIZE[at.name] - 3))), matrix)
+    n = np.einsum("ni,nij->nj", np.pad(normal, ((0, 0), (0, HOMOGENEOUS[at.name] - 3))), matrix)
     if at.name in FIBRED:
         n[:, FIBRE[at.name]] = 0
     return n
@@ -327,7 +325,7 @@ def walls_across(at: Setting, q: Array, normal: Array) -> Array:
 def check_crossings(at: Setting, p: Array, u: Array, n: Array, horizon: float) -> tuple[Array, Array]:
     """No sample before the time found is beyond the wall; there the ray is on it. Times, heights."""
     n = at.cut(n)
-    got, height, _ = at.run("wall", p, u, np.pad(n, ((0, 0), (0, 5 - SIZE[at.name])))).T
+    got, height, _ = at.run("wall", p, u, np.pad(n, ((0, 0), (0, 5 - HOMOGENEOUS[at.name])))).T
     inside = height > 0
     p, u, n, got = p[inside], u[inside], n[inside], got[inside]
     ended = np.where(got < horizon, got, horizon)
@@ -536,13 +534,13 @@ def test_translations_as_matrices(at: Setting) -> None:
     rng = np.random.default_rng(18)
     p, base = (points(at.name, 60, 1.5, rng) for _ in range(2))
     matrix = g.translation_matrix(base)
-    assert matrix.shape == (60, SIZE[at.name], SIZE[at.name])
+    assert matrix.shape == (60, HOMOGENEOUS[at.name], HOMOGENEOUS[at.name])
     got = np.einsum("nij,nj->ni", matrix, homogeneous(at.name, p))
     moved = g.translate(base, p)
     if at.name == "sl2":
         row, sense = matrix[:, 2, :3], np.ones(60)
         got[:, 3] = at.run("gain", p, got[:, :4], row, sense)[:, 0]
-    if SIZE[at.name] == 5:
+    if HOMOGENEOUS[at.name] == 5:
         assert (got[:, 4] == 1).all()
     assert (size_of(got[:, :4] - moved) <= 32 * at.epsilon * size_of(p) * size_of(base)).all()
 

@@ -9,8 +9,8 @@ from click.testing import CliRunner, Result
 from thurston_cl import lattice
 from thurston_cl.cli.main import main
 from thurston_cl.errors import MissingFileError
+from thurston_cl.models import GEOMETRIES
 from thurston_cl.scene import library, load_scene, load_text, reference, scene_schema
-from thurston_cl.scene.context import GEOMETRIES
 
 ROOT = Path(__file__).parent.parent
 SCENES = ROOT / "tests" / "data" / "scenes"

@@ -14,9 +14,9 @@ import pydantic
 import pytest
 
 from thurston_cl.errors import SceneError
+from thurston_cl.models import FIBRED, GEOMETRIES, HOMOGENEOUS
 from thurston_cl.scene import load_scene, load_text, scene_schema
 from thurston_cl.scene.base import Node
-from thurston_cl.scene.context import FIBRED, GEOMETRIES, HOMOGENEOUS
 from thurston_cl.scene.parse import parse
 from thurston_cl.scene.reference import models_of_scenes
 from thurston_cl.scene.schema import (

@@ -1,6 +1,7 @@
 """OpenCL text for the objects of a scene: signed distance, surface and material."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from thurston_cl.lattice.isometry import (
     snap,
     vector_map,
 )
-from thurston_cl.models import FIBRED
+from thurston_cl.models import FIBRED, TWISTED
 from thurston_cl.scene import schema
 from thurston_cl.scene.near_walls import balls_over_walls, bounds_of, images, is_hollow
 from thurston_cl.scene.numbers import Numbers, components, homogeneous
@@ -172,8 +173,9 @@ class _SolidText:
         self._numbers, self._parts = writer.numbers, writer.parts
         self._place, self._lattice = writer.place, writer.lattice
         self._geometry = writer.geometry.name
-        # A set of balls has no coordinates on its surface.
-        self._plain = isinstance(solid.material.color, schema.Color)
+        # Only in nil and sl2 a set of balls has coordinates on its surface.
+        plain = isinstance(solid.material.color, schema.Color)
+        self._in_sets = plain or self._geometry in TWISTED
         self._near_walls, self._hollow = writer.near_walls, is_hollow(solid, self._geometry)
         self._count = 0
         self.lines: list[str] = []
@@ -185,7 +187,7 @@ class _SolidText:
         shape = solid.shape
         match solid.kind:
             case "union":
-                balls = self._equal_balls(solid, outer) if self._plain and len(shape) > 1 else None
+                balls = self._equal_balls(solid, outer) if self._in_sets and len(shape) > 1 else None
                 if balls is not None:
                     return self._ball_set(*balls)
                 return self._union([self._solid(member, frame) for member in shape])
@@ -243,22 +245,33 @@ class _SolidText:
         """What a difference or complement leaves out; in a hollow with those images that reach into the cell,
         for its neighbours leave out the same.
         """
-        own = self._solid(solid, frame)
         if not self._hollow or self._lattice is None or bounds_of(solid, frame, self._place) is None:
-            return own
+            return self._solid(solid, frame)
         balls = self._equal_balls(solid, frame)
         if balls is not None and self._near_walls == "images":
-            return self._union([own, *self._images_of(*balls)])
+            return self._with_images(*balls, lambda: self._solid(solid, frame))
         seen = images(solid, frame, self._near_walls, self._lattice, self._place)
-        return self._union(
-            [own, *(self._solid(solid, compose(self._geometry, element, frame)) for element in seen)]
-        )
+        places = [frame, *(compose(self._geometry, element, frame) for element in seen)]
+        return self._union([self._solid(solid, place) for place in places])
 
-    def _images_of(self, centres: Array, radius: float) -> list[tuple[str, str]]:
-        """The images of balls that reach over walls into the cell, none or as one set."""
+    def _with_images(
+        self, centres: Array, radius: float, alone: Callable[[], tuple[str, str]]
+    ) -> tuple[str, str]:
+        """Balls (N,4), which `alone` writes, with those of their images that reach into the cell."""
         assert self._lattice is not None
         over = balls_over_walls(self._lattice, centres, radius)
-        return [self._ball_set(over, radius)] if len(over) else []
+        if len(over) == 0:
+            return alone()
+        if self._in_sets:
+            return self._ball_set(np.concatenate([centres, over]), radius)
+        return self._union([alone(), self._ball_set(over, radius)])
+
+    def _removed(
+        self, centres: Array, radius: float, alone: Callable[[], tuple[str, str]]
+    ) -> tuple[str, str]:
+        """Balls that a tile leaves out. Of a Dirichlet domain their images cover nothing that they do not."""
+        assert self._lattice is not None
+        return alone() if self._lattice.is_dirichlet else self._with_images(centres, radius, alone)
 
     def _equal_balls(self, solid: schema.Solid, outer: Array) -> tuple[Array, float] | None:
         """Centres (N,4) and radius of a ball, or of a union of balls of one size; None for other solids."""
@@ -333,20 +346,17 @@ class _SolidText:
         figure 3).
         """
         assert self._lattice is not None
-        members = [self._leaf("ball", frame, self._numbers.term(tile.ball))]
-        # What images of them cover of a Dirichlet domain, they cover themselves.
-        alone = self._lattice.is_dirichlet
-        if not alone:
-            middle = act(self._geometry, frame, origin(self._geometry))[None]
-            members += self._images_of(middle, tile.ball)
         polyhedron = self._lattice.polyhedron
+        middle = act(self._geometry, frame, origin(self._geometry))[None]
+        members = [
+            self._removed(middle, tile.ball, lambda: self._leaf("ball", frame, self._numbers.term(tile.ball)))
+        ]
         corners = [vertex.vector for vertex in polyhedron.vertices] if tile.vertices is not None else []
         middles = [edge.point for edge in polyhedron.edges] if tile.edges is not None else []
         for points, radius in ((corners, tile.vertices), (middles, tile.edges)):
             if radius is not None:
                 centres = act(self._geometry, frame, np.array(points))
-                members += [self._ball_set(centres, radius)]
-                members += [] if alone else self._images_of(centres, radius)
+                members.append(self._removed(centres, radius, partial(self._ball_set, centres, radius)))
         return self._complement(self._union(members))
 
 
