@@ -43,7 +43,8 @@ FN ray march_step(ray r, real limit, scene_data scene)
   r.active &= NOT(there) & (r.t < limit);
 #ifdef CREEPING
   // Just over the wall and no further, so that nothing behind it is jumped (paper 4.2.1).
-  distance = fmin(distance, wall_time(r.p, r.v, scene) + threshold);
+  real wall = wall_time(r.p, r.v, scene) + threshold;
+  distance = SELECT(wall < distance, wall, distance);  // unlike fmin it keeps a NaN
 #endif
   // No further than the limit: what is behind a light throws no shadow on this side of it.
   real left = limit - r.t;

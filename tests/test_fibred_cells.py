@@ -127,3 +127,44 @@ def test_a_light_that_is_not_repeated_lights_the_tiling_as_it_lights_the_whole_s
     assert 0.05 < (whole.channels["object"] > 0).mean() < 0.95
     np.testing.assert_allclose(whole.channels["beauty"], tiled.channels["beauty"], atol=2e-3)
     assert np.ptp(whole.channels["beauty"]) > 0.5
+
+
+def test_what_a_manifold_has_no_place_for_is_an_error() -> None:
+    level = "geometry: nil\nmanifold: heisenberg\nobjects:\n  - slab: {normal: [0, 0, 1], thickness: 0.05}\n"
+    with pytest.raises(tc.SceneError, match="no manifold of nil keeps a level"):
+        tc.render(load_text(level), size=(8, 8))
+    # A bounded piece of it is an object like others.
+    piece = level.replace("slab: {normal: [0, 0, 1], thickness: 0.05}", "{0}").format(
+        "intersection: [{ball: {radius: 0.3}}, {slab: {normal: [0, 0, 1], thickness: 0.05}}]"
+    )
+    assert tc.render(load_text(piece), size=(64, 48), samples=1, lanes=4).statistics["hits"] > 0
+
+
+THIN = """
+geometry: e3
+manifold:
+  generators: [{maps}]
+  domain: [{walls}]
+camera: {{at: [-0.45, -0.4, {half}], look: {{along: [1, 0.1, 0]}}}}
+objects:
+  - ball: {{radius: 0.45}}
+    at: [0.1, 0.2, 0]
+"""
+
+
+@pytest.mark.parametrize(("height", "fits"), [(0.02, True), (0.0004, False)])
+def test_images_that_are_more_than_are_searched_are_an_error(height: float, fits: bool) -> None:
+    maps, walls = [], []
+    for axis, size in enumerate((1.0, 1.0, height)):
+        for sign in (1, -1):
+            matrix, wall = np.eye(4), np.zeros(4)
+            matrix[axis, 3], wall[axis], wall[3] = -sign * size, sign, -size / 2
+            maps.append(matrix.tolist())
+            walls.append(wall.tolist())
+    text = THIN.format(maps=", ".join(map(str, maps)), walls=", ".join(map(str, walls)), half=0.25 * height)
+    scene = load_text(text)
+    if fits:
+        assert tc.render(scene, size=(8, 8), samples=1, lanes=1).statistics["nan"] == 0
+    else:
+        with pytest.raises(tc.SceneError, match="too many images"):
+            tc.render(scene, size=(8, 8), samples=1, lanes=1)

@@ -154,7 +154,7 @@ def test_rotations_about_the_origin(geometry, kernels):
     start, turned = (kernels[geometry].flow(v, 2.0)[0][0] for v in (u, flip @ u))
     np.testing.assert_allclose(iso.act(geometry, m, start), turned, rtol=0, atol=1e-14)
     np.testing.assert_array_equal(iso.act(geometry, m, iso.origin(geometry)), iso.origin(geometry))
-    with pytest.raises(tl.LatticeError, match="only be turned about its fibre"):
+    with pytest.raises(tl.LatticeError, match="only be turned about its fiber"):
         iso.stabilizer(geometry, [[1, 0, 0], [0, 0, -1], [0, 1, 0]])
     with pytest.raises(tl.LatticeError, match="orthogonal"):
         iso.stabilizer(geometry, 2 * np.eye(3))
@@ -725,7 +725,7 @@ def put(array, index, value):
             lambda m, w: put(m, 4, iso.translation("nil", np.array([0.1, 0, -1, 1]))),
             "generators",
             4,
-            "moves the fibre over the origin by 0.1",
+            "moves the fiber over the origin by 0.1",
         ),
         (
             "nil",

@@ -36,6 +36,7 @@ FIGURES = {
     *(f"figure {number}" for number in (29, 41, 42, 44, 52, 55, 56, 59)),
     *(f"figure {number}({letter})" for number in (27, 35) for letter in "ab"),
     *(f"figure 28({letter})" for letter in "abcd"),
+    "figure 1",
     "figure 37(a)",
     "figure 37(b)",
     *(f"figure {number}({letter})" for number in (30, 31, 32, 38, 39, 51, 60) for letter in "abc"),

@@ -81,6 +81,13 @@ class Geometry:
         """
         u, t, b = self._rays(direction, time, base)
         out = self._run("flow", [b, u, *self._with_tail(t)], 7)
+        beyond = int((~np.isfinite(out).all(axis=1)).sum())
+        if beyond:
+            warnings.warn(
+                f"flow: {beyond} of {len(out)} points are too far away for {self.precision} precision",
+                RuntimeWarning,
+                stacklevel=2,
+            )
         return out[:, :4], out[:, 4:]
 
     def velocity(self, point: ArrayLike, direction: ArrayLike) -> Array:
@@ -137,8 +144,8 @@ class Geometry:
         turned about the fibre (here over +x). The fibre itself comes last there.
         RuntimeWarning where a solve ended at the bound of iterations.
         """
-        if count < 1:
-            raise ValueError(f"count is {count}; expected at least 1")
+        if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1:
+            raise ValueError(f"count is {count}; expected a whole number of at least 1")
         arrays = self._pair_with_tails(point, base)
         out = np.stack([self._run("geodesic", arrays, 6, k) for k in range(count)], axis=1)
         _warn_unsolved("geodesics", out[:, :, 4])

@@ -274,9 +274,11 @@ FN real half_angle_time(real ratio, real k_square)
 // The least t > 0 with f t + f_1 t^2/2 = h > 0, or never.
 FN real parabola_time(real f, real f_1, real h)
 {
-  real rate = f / h, curve = f_1 / h, square = fma(rate, rate, REAL(2) * curve), root = sqrt(fmax(square, REAL(0)));
-  mask falls = rate < REAL(0), never = (square < REAL(0)) | (falls & NOT(curve > REAL(0)));
-  return SELECT(never, REAL(INFINITY), SELECT(falls, root - rate, REAL(2)) / SELECT(falls, curve, rate + root));
+  mask bounded = h < REAL(INFINITY);
+  real rise = REAL(2) * SELECT(bounded, h, REAL(0)), square = fma(f, f, rise * f_1), root = sqrt(fmax(square, REAL(0)));
+  mask falls = f < REAL(0), never = NOT(bounded) | (square < REAL(0)) | (falls & NOT(f_1 > REAL(0)));
+  // Without division by h, which may be too small to be divided by.
+  return SELECT(never, REAL(INFINITY), SELECT(falls, root - f, rise) / SELECT(falls, f_1, f + root));
 }
 
 // How far a second bound looks, in units of the first: it gains most where that one is 2/3 of the truth, as near a turning point.

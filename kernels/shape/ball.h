@@ -172,6 +172,8 @@ FN surface ball_surface(point q, real radius)
     connection c = connect_points(origin(), select_4(seen, q, origin()), exact, exact, 0);
     u = arriving = c.u;
     exponential(&arriving, c.length, REAL(0));
+    // Where the solver reached its bound there is no normal, and the pixel is counted.
+    arriving.x = SELECT(seen & c.unsolved, REAL(NAN), arriving.x);
   }
   // Spheres cross the geodesics from their centre at right angles (Gauss' lemma).
   return surface_of_ball(distance, with_w(arriving, REAL(0)), across_of(u), u);

@@ -76,6 +76,11 @@ class Lattice(ABC):
         """Indices of the walls at a value of the fibre coordinate, behind all the others."""
 
     @property
+    def has_sides(self) -> bool:
+        """Whether it has other walls than levels."""
+        return len(self.level_walls) < len(self.walls)
+
+    @property
     @abstractmethod
     def is_dirichlet(self) -> bool:
         """Whether the domain is the set of points that are nearest to the origin among its images."""

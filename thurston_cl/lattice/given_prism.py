@@ -54,7 +54,7 @@ def _unit(geometry: str, n: Array, f: int, tolerance: float) -> Array:
         forms = (
             ("[a, b, 0, d]", "[0, 0, c, d]") if geometry == "nil" else ("[a, b, c, 0, 0]", "[0, 0, 0, d, e]")
         )
-        text = f"is neither a side {forms[0]} over the base nor a level {forms[1]} of the fibre"
+        text = f"is neither a side {forms[0]} over the base nor a level {forms[1]} of the fiber"
         raise blame("domain", f, f"{text}; walls cannot lean in {geometry}")
     if level:
         wall = snap(wall / abs(wall[axis]))
@@ -85,8 +85,8 @@ def _check_level(geometry: str, m: Array, f: int, tolerance: float) -> None:
         raise blame(
             "generators",
             f,
-            f"leads back over a level but moves the fibre over the origin by {moved:.2g}; "
-            "compose it with generators of the sides until it shifts along that fibre",
+            f"leads back over a level but moves the fiber over the origin by {moved:.2g}; "
+            "compose it with generators of the sides until it shifts along that fiber",
         )
 
 

@@ -289,7 +289,7 @@ def stabilizer(geometry: str, rotation: ArrayLike) -> Array:
         return m
     if max(np.max(np.abs(r[2, :2])), np.max(np.abs(r[:2, 2]))) > OFF_ORTHOGONAL:
         raise LatticeError(
-            f"{geometry} can only be turned about its fibre, the third axis, and by half-turns about axes "
+            f"{geometry} can only be turned about its fiber, the third axis, and by half-turns about axes "
             "across it",
             "generators",
         )
@@ -333,7 +333,7 @@ def translation(geometry: str, point: ArrayLike) -> Array:
     if geometry == "nil":
         return _nil(np.eye(2), 1.0, p[..., :3])
     if HOMOGENEOUS[geometry] == 4:
-        raise LatticeError(f"{geometry} is no fibred geometry", "generators")
+        raise LatticeError(f"{geometry} is no fibered geometry", "generators")
     k = BASE_CURVATURE[geometry]
     m = np.zeros((*p.shape[:-1], 5, 5))
     xy = p[..., :2]

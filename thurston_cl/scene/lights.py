@@ -49,7 +49,7 @@ class PointLight(Node):
     repeated: Flag = Field(
         default=True,
         description="In a manifold: whether one such light stands in every cell. `false`: in the whole "
-        "tiling there is this one only, seen from the 4096 cells next to the camera, in fiberd geometries "
+        "tiling there is this one only, seen from the 4096 cells next to the camera, in fibered geometries "
         "from 131072 in columns along the fiber; others are dark.",
     )
 

@@ -63,7 +63,7 @@ class MatrixLattice(Node):
     )
     domain: Annotated[tuple[Row, ...], AtLeast(1), Says("list of 4- or 5-vectors")] = Field(
         description="The walls: the domain holds the points p with n · p ≤ 0 for each n, which has as many "
-        "numbers as the matrices have rows. In the fiberd geometries s2xe, h2xe, nil and sl2 a wall is "
+        "numbers as the matrices have rows. In the fibered geometries s2xe, h2xe, nil and sl2 a wall is "
         "vertical, with 0 for the fiber coordinate, or horizontal, with nothing but that and a constant."
     )
 

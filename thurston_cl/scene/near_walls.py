@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice, elements
 from thurston_cl.lattice.isometry import act, compose, fibre, inverse, origin
-from thurston_cl.models import FIBRED, PRODUCTS
+from thurston_cl.models import FIBRED, PRODUCTS, TWISTED
 from thurston_cl.scene import schema
 from thurston_cl.scene.placement import Placement
 
@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 
 # Group elements that are tried, nearest first, for images of an object that reach into the cell.
 SEARCHED = 1000
+# If one of the last of them, this part of all, is an image, there are more, and the picture would lack them.
+LAST = 20
 # How far outside the domain a point of an edge may be and still be on it: far above rounding.
 ON_EDGE = 1e-9
 # Matrices that agree to so many digits after the point are the same: far above rounding, far below a lattice.
@@ -85,12 +87,21 @@ def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice,
     geometry = lattice.geometry
     if is_hollow(solid, geometry) or near_walls in ("whole space", "domain", "creeping"):
         return lattice.inverses[:0]
+    bounds = bounds_of(solid, frame, place)
+    if bounds is None and geometry in TWISTED and _has_level(solid) and lattice.has_sides:
+        raise ValueError(
+            f"no manifold of {geometry} keeps a level, so that a horizontal plane has no place in it; cut a "
+            "bounded piece out of it with an intersection, or leave the manifold out"
+        )
     if near_walls in ("neighbours", "both"):
         return lattice.over_walls
-    bounds = bounds_of(solid, frame, place)
     if bounds is None:
         return _around_edges(lattice)
     near = elements(lattice, count=SEARCHED)[1:]
+    ended = len(near) + 1 < SEARCHED
+    vertical = all(bound.vertical for bound in bounds)
+    if vertical:
+        near = _one_a_base(geometry, near)
     reached = np.zeros(len(near), dtype=bool)
     for bound in bounds:
         centres = act(geometry, near, bound.centre)
@@ -99,8 +110,17 @@ def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice,
         # The height over one wall is a quick lower bound.
         for k in np.flatnonzero(lattice.clearance(centres) > -bound.radius):
             reached[k] |= lattice.distance_from(centres[k]) < bound.radius
-    near = near[reached]
-    return _one_a_base(geometry, near) if all(bound.vertical for bound in bounds) else near
+    if not ended and reached[-max(1, len(near) // LAST) :].any():
+        raise ValueError("too many images of this reach over the walls; make it smaller, or the cell larger")
+    return near[reached]
+
+
+def _has_level(solid: schema.Solid) -> bool:
+    """Whether a horizontal half-space or slab takes part in a solid."""
+    if solid.kind in ("half-space", "slab"):
+        return bool(solid.shape.normal[2] != 0)
+    members = solid.shape if isinstance(solid.shape, tuple) else [solid.shape]
+    return any(_has_level(member) for member in members if isinstance(member, schema.Solid))
 
 
 def balls_over_walls(lattice: Lattice, centres: Array, radius: float) -> Array:
@@ -165,6 +185,6 @@ def _around_edges(lattice: Lattice) -> Array:
     near = elements(lattice, count=SEARCHED)[1:]
     back = act(geometry, inverse(geometry, near)[:, None], middles[None])
     shared = lattice.contains(back, ON_EDGE).any(axis=1)
-    differences = np.abs(near[:, None] - lattice.inverses[None])
-    apart = differences.reshape(len(near), len(lattice.walls), -1).max(axis=2)
+    differences = np.abs(near[:, None] - lattice.over_walls[None])
+    apart = differences.reshape(len(near), len(lattice.over_walls), -1).max(axis=2)
     return np.asarray(near[shared | (apart.min(axis=1) < ON_EDGE)])

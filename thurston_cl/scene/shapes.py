@@ -79,7 +79,7 @@ class HalfSpace(Shape):
 
     normal: Direction = Field(
         default=(0, 0, 1),
-        description="Points out of the half-space, at the center. In the fiberd geometries s2xe, h2xe, nil "
+        description="Points out of the half-space, at the center. In the fibered geometries s2xe, h2xe, nil "
         "and sl2 it is [0, 0, ±1], and the plane is horizontal, or [x, y, 0], and the plane is vertical.",
     )
     offset: Number = Field(
@@ -189,7 +189,7 @@ def _fits(context: Context, key: str, value: float, bound: str, what: str) -> It
 def _keeps_fibers(
     context: Context, key: str, direction: tuple[float, float, float], what: str, horizontal: bool = True
 ) -> Iterator[Problem]:
-    """Isometries of the fiberd geometries turn no direction along the fiber into another; `horizontal`:
+    """Isometries of the fibered geometries turn no direction along the fiber into another; `horizontal`:
     whether what is meant can also lie across the fiber."""
     if context.geometry not in FIBRED:
         return
@@ -206,18 +206,18 @@ def _keeps_fibers(
 
 
 class Rotation(Node):
-    """A turn about a geodesic through the center of the object, right-handed about its axis. In the fiberd
+    """A turn about a geodesic through the center of the object, right-handed about its axis. In the fibered
     geometries s2xe, h2xe, nil and sl2 a turn has to keep the fibers."""
 
     what = "a rotation"
     example = "rotate: {axis: [0, 0, 1], angle: 30 deg}"
 
     axis: Direction = Field(
-        description="The axis: any in e3, s3 and h3; in the fiberd geometries [0, 0, ±1], along the fiber, "
+        description="The axis: any in e3, s3 and h3; in the fibered geometries [0, 0, ±1], along the fiber, "
         "or horizontal, [x, y, 0]."
     )
     angle: Angle = Field(
-        description="How far to turn; about a horizontal axis of a fiberd geometry by 180 deg, which turns "
+        description="How far to turn; about a horizontal axis of a fibered geometry by 180 deg, which turns "
         "the fiber over."
     )
 

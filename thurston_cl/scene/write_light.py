@@ -106,7 +106,7 @@ def _loop(
     ]
     if asked.shadowed:
         writer.parts.add("light/hard_shadow.h")
-        lines.append("    a.lit &= NOT(hard_shadow(s, a, light, k, max_steps, scene, shadow_steps));")
+        lines.append("    hard_shadow(s, &a, light, k, max_steps, scene, shadow_steps);")
     return [
         *lines,
         f"    real3_lanes more = phong(s, a, three_numbers(scene, {color} + {size} * i));",

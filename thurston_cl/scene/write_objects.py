@@ -44,6 +44,9 @@ def write_objects(writer: Writer) -> int:
         try:
             outer = _carry(writer, solid, ("objects", k - 1))
             text = _SolidText(writer, solid, outer)
+            seen = np.empty((0, 4, 4))
+            if writer.lattice is not None:
+                seen = images(solid, outer, writer.near_walls, writer.lattice, writer.place)
         except ValueError as error:
             raise writer.scene.error_at(("objects", k - 1, "at"), str(error)) from error
         writer.function(
@@ -57,9 +60,6 @@ def write_objects(writer: Writer) -> int:
             f"material object_{k}_material(surface s, scene_data scene)",
             [f"material m = {material};", "return m;"],
         )
-        seen = np.empty((0, 4, 4))
-        if writer.lattice is not None:
-            seen = images(solid, outer, writer.near_walls, writer.lattice, writer.place)
         count += len(seen)
         if writer.lattice is not None and len(seen):
             if not distance:
@@ -154,7 +154,7 @@ def _check_tile(writer: Writer, solid: schema.Solid, location: tuple[str | int, 
             raise writer.scene.error_at(
                 (*location, "tile", "vertices"),
                 f"the vertices of {writer.lattice.name} are {' and '.join(sorted(kinds))}: no ball has its "
-                "centre there",
+                "center there",
                 "leave vertices out",
             )
     members = shape if isinstance(shape, tuple) else (shape,) if isinstance(shape, schema.Solid) else ()
