@@ -883,3 +883,19 @@ def test_a_pair_of_sides():
     np.testing.assert_array_equal([wall, opposite], [[1, 0, -0.5], [-1, 0, -0.5]])
     np.testing.assert_array_equal(back, forth)
     assert base_radius("nil", np.array([3.0, 4.0, 9.0, 1.0])) == 5.0
+
+
+@pytest.mark.parametrize("geometry", ["h3", "h2xe"])
+def test_the_orbit_of_one_translation_ends_where_coordinates_end(geometry):
+    # There are never 1000 elements within reach of the numbers.
+    n, axis = iso.dimension(geometry), 2 if geometry == "h2xe" else 3
+    step = np.eye(n)
+    step[0, 0] = step[axis, axis] = np.cosh(1.0)
+    step[0, axis] = step[axis, 0] = np.sinh(1.0)
+    wall = np.zeros(n)
+    wall[[0, axis]] = np.cosh(0.5), -np.sinh(0.5)
+    other = wall * np.where(np.arange(n) == 0, -1.0, 1.0)
+    lattice = tl.from_matrices(geometry, [iso.inverse(geometry, step), step], [wall, other])
+    found = tl.elements(lattice, count=1000)
+    assert len(found) == 2 * 25 + 1
+    assert len(tl.elements(lattice, count=7)) == 7

@@ -9,7 +9,7 @@ from thurston_cl.lattice.forms import Array
 from thurston_cl.lattice.isometry import act, compose, identity, origin
 from thurston_cl.lattice.prism import Prism
 from thurston_cl.lattice.prism_orbit import TIE, columns, elements_within
-from thurston_cl.lattice.radius import orbit_radius
+from thurston_cl.lattice.radius import farthest, orbit_radius
 
 
 def neighbours(lattice: Lattice) -> Array:
@@ -26,8 +26,9 @@ def elements(lattice: Lattice, count: int | None = None, radius: float | None = 
 
     In a Dirichlet domain every element is reached over ever nearer ones: if gamma o is outside wall f,
     maps[f] leads it nearer. In another domain we search farther out, by the longest step, and may in theory
-    miss some. In a prism that is said of its polygon. Raises ValueError without a bound where the group may
-    be infinite: everywhere but in s3.
+    miss some. In a prism that is said of its polygon. In h3, and over the base in h2xe and sl2, none is
+    farther than FARTHEST (radius.py), so that there may be fewer. Raises ValueError without a bound where the
+    group may be infinite: everywhere but in s3.
     """
     if count is None and radius is None and lattice.geometry != "s3":
         raise ValueError(f"the group of '{lattice.name}' may be infinite: give count or radius")
@@ -37,7 +38,7 @@ def elements(lattice: Lattice, count: int | None = None, radius: float | None = 
     if isinstance(lattice, Prism):
         found = elements_within(lattice, np.inf if count is None else count, bound)
     else:
-        found = _around(lattice, count, bound)
+        found = _around(lattice, count, min(bound, farthest(lattice.geometry)))
     return found[_order(lattice, found)][:count]
 
 
@@ -53,7 +54,7 @@ def _around(lattice: Lattice, count: int | None, bound: float) -> Array:
     fresh = found
     # Neighbours of what was found that lie beyond the present horizon: parent, wall and point of each.
     later: list[tuple[NDArray[np.intp], NDArray[np.intp], Array]] = []
-    horizon = 0.0 if np.isinf(bound) else bound + detour + TIE
+    horizon = 0.0 if np.isinf(bound) or count is not None else bound + detour + TIE
     while True:
         while len(fresh):
             first = len(found) - len(fresh)

@@ -7,7 +7,7 @@ from thurston_cl.lattice.forms import Array, bisector
 from thurston_cl.lattice.isometry import act, compose, fibre, identity
 from thurston_cl.lattice.polygon import BASE, lower
 from thurston_cl.lattice.prism import BISECTOR, Prism, base_radius
-from thurston_cl.lattice.radius import greatest_climb, orbit_radius
+from thurston_cl.lattice.radius import farthest, greatest_climb, orbit_radius
 
 # The search goes so much farther each time that it has not found enough; the last round costs most.
 FARTHER = 1.25
@@ -24,15 +24,16 @@ def elements_within(prism: Prism, count: float, radius: float) -> Array:
     # Along the fibre one wall alone makes a mirror or a half-turn: beyond its image of o there is nothing.
     endless = len(prism.level_walls) > 1
     least = float(np.min(heights)) if endless or not prism.level_walls else 2.0 * float(np.max(heights)) + TIE
-    reach = least if np.isinf(radius) else radius
+    limit = farthest(prism.geometry)
+    reach = least if np.isinf(radius) or np.isfinite(count) else radius
     while True:
-        base, all_of_base = _on_base(prism, reach)
+        base, all_of_base = _on_base(prism, min(reach, limit))
         found = _over(prism, base, reach)
         far = orbit_radius(prism.geometry, act(prism.geometry, found, prism.centre))
         near = found[far <= min(reach, radius) + TIE]
-        if reach >= radius or len(near) >= count or (all_of_base and not endless):
+        if reach >= radius or len(near) >= count or ((all_of_base or reach > limit) and not endless):
             return near
-        reach *= FARTHER
+        reach = min(FARTHER * reach, radius)
 
 
 def columns(prism: Prism, count: int, reach: float) -> Array:
@@ -43,7 +44,7 @@ def columns(prism: Prism, count: int, reach: float) -> Array:
     wanted = max(1, count // len(stack))
     radius = prism.inradius
     base, all_of_base = _on_base(prism, radius)
-    while len(base) < wanted and not all_of_base:
+    while len(base) < wanted and not all_of_base and radius < farthest(prism.geometry):
         radius *= FARTHER
         base, all_of_base = _on_base(prism, radius)
     near = np.argsort(base_radius(prism.geometry, act(prism.geometry, base, prism.centre)), kind="stable")

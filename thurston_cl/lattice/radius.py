@@ -5,6 +5,14 @@ from numpy.typing import ArrayLike
 
 from thurston_cl.lattice.forms import CURVATURE, Array
 
+# Hyperbolic coordinates grow like e^distance: beyond this they do not tell orbit points apart any more.
+FARTHEST = 25.0
+
+
+def farthest(geometry: str) -> float:
+    """How far from the origin an orbit is looked at."""
+    return FARTHEST if geometry in ("h3", "h2xe", "sl2") else np.inf
+
 
 def orbit_radius(geometry: str, points: ArrayLike) -> Array:
     """Distance (...) of points (...,4) from the origin, to sort an orbit by: poor next to the origin.

@@ -11,6 +11,9 @@ from .points import Point
 from .suggest import did_you_mean
 from .values import Also, ColorValue, Count, Flag, Positive, Says, color
 
+# Each costs a solve at every point that is hit, and light along the hundredth is dim beyond telling.
+MOST_GEODESICS = 1000
+
 
 class PointLight(Node):
     """A light that shines from one point in all directions, along geodesics."""
@@ -63,6 +66,9 @@ class PointLight(Node):
         if context.geometry in ("e3", "h3", "h2xe") and self.geodesics > 1:
             message = f"in {context.geometry} only one geodesic joins two points, not {self.geodesics}"
             yield Problem(("geodesics",), message, "leave it out")
+        if self.geodesics > MOST_GEODESICS:
+            message = f"{self.geodesics} geodesics are more than anyone will wait for"
+            yield Problem(("geodesics",), message, f"at most {MOST_GEODESICS}")
         if context.geometry is not None and not context.manifold and self.translates != 1:
             yield Problem(
                 ("translates",), "translates needs a manifold", "leave it out, or add 'manifold: NAME'", True

@@ -90,7 +90,7 @@ def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice,
     bounds = bounds_of(solid, frame, place)
     if bounds is None and geometry in TWISTED and _has_level(solid) and lattice.has_sides:
         raise ValueError(
-            f"no manifold of {geometry} keeps a level, so that a horizontal plane has no place in it; cut a "
+            "this manifold does not keep levels, so that a horizontal plane has no place in it; cut a "
             "bounded piece out of it with an intersection, or leave the manifold out"
         )
     if near_walls in ("neighbours", "both"):

@@ -127,6 +127,8 @@ def _default_lights(camera: CameraFrame, writer: Writer) -> list[tuple[Array, Ar
     if lattice is not None:
         lights, unit = DEFAULT_LIGHTS_IN_CELL, lattice.inradius
         intensity = float(writer.geometry.area_density([0.0, 0.0, 1.0], unit)[0])
+        # What comes round the sphere adds to it.
+        intensity /= usual_geodesics(writer.geometry.name)
     placed: list[tuple[Array, Array]] = []
     for offset, color in lights:
         towards = unit * np.array(offset) @ camera.frame
