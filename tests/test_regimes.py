@@ -3,8 +3,10 @@ walks over it from both sides. What test_twisted.py, test_stumpff.py, test_produ
 not walk over is walked over here; and single precision follows double along all of it.
 """
 
+import ast
 import re
 from collections.abc import Sequence
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -27,54 +29,107 @@ from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
 from thurston_cl.program import kernel_text
 
-# By file of kernels/: each named constant, and where it is walked over or used up to its bound.
-SEAMS = {
+# By file of kernels/: each named constant, the test that walks over it or uses it up to its bound, and what
+# the source of that test says of it, with the functions and constants of its module that it uses. By default
+# that is the constant's own name.
+R, T, M, S = "test_regimes", "test_twisted", "test_marching", "test_shapes_fibred"
+_ITERATIONS = f"{T}.test_the_bound_of_iterations_is_far_from_what_is_needed"
+_LENGTHS = f"{R}.test_lengths_go_on_over_the_seams_of_the_solver"
+_LIGHT = "test_light_falloff.test_light_fades_by_its_law_until_it_is_far_brighter_than_white"
+_SHADOWS = "test_shadows_fibred.test_a_shadow_is_where_the_geodesic_to_the_light_meets_an_object"
+SEAMS: dict[str, dict[str, tuple[str, ...]]] = {
     "geometry/twisted.h": {
-        "AXIS_RATIO": "test_twisted.test_rho_to_0_is_the_fibre",
-        "QUARTER_TURN": "test_regimes.test_lengths_go_on_over_the_seams_of_the_solver",
-        "QUARTER_TURN_END": "test_regimes.test_lengths_go_on_over_the_seams_of_the_solver",
-        "START_BELOW": "test_twisted.test_pairs_appear_at_the_folds",
-        "LOOK_AHEAD": "test_marching.test_levels_are_reached_in_few_steps",
+        "AXIS_RATIO": (f"{T}.test_rho_to_0_is_the_fibre", "rho <= 1e-19 * height"),
+        "QUARTER_TURN": (_LENGTHS,),
+        "QUARTER_TURN_END": (_LENGTHS, "quarter turn"),
+        "START_BELOW": (f"{T}.test_pairs_appear_at_the_folds", "fold_height"),
+        "LOOK_AHEAD": (f"{M}.test_levels_are_reached_in_few_steps", "LEVEL_STEPS"),
     },
     "geometry/nil.h": {
-        "POLE_SHIFT": "test_twisted.test_the_bound_of_iterations_is_far_from_what_is_needed",
-        "CUBE_ROOT_HALF": "test_twisted.test_the_bound_of_iterations_is_far_from_what_is_needed",
-        "STRAIGHT_BELOW": "test_regimes.test_the_underestimate_of_nil_over_its_seams",
-        "PARABOLIC_FROM": "test_regimes.test_the_underestimate_of_nil_over_its_seams",
+        "POLE_SHIFT": (_ITERATIONS, "with_bound"),
+        "CUBE_ROOT_HALF": (_ITERATIONS, "with_bound"),
+        "STRAIGHT_BELOW": (f"{R}.test_the_underestimate_of_nil_over_its_seams",),
+        "PARABOLIC_FROM": (f"{R}.test_the_underestimate_of_nil_over_its_seams",),
     },
     "geometry/sl2.h": {
-        "POLE_SHIFT": "test_twisted.test_the_bound_of_iterations_is_far_from_what_is_needed",
-        "COMPLEMENT_ABOVE": "test_regimes.test_lengths_go_on_over_the_seams_of_the_solver",
-        "OPPOSITE_ABOVE": "test_regimes.test_distance_of_points_on_opposite_sides",
-        "SPLIT_DIRECTION_ABOVE": "test_regimes.test_directions_over_the_seam_of_the_split",
-        "MOST_BEND": "test_marching.test_level_time_is_never_too_late",
+        "POLE_SHIFT": (_ITERATIONS, "with_bound"),
+        "COMPLEMENT_ABOVE": (f"{R}.test_lengths_keep_their_digits_on_both_sides_of_the_complement",),
+        "OPPOSITE_ABOVE": (f"{R}.test_distance_of_points_on_opposite_sides",),
+        "SPLIT_DIRECTION_ABOVE": (f"{R}.test_directions_over_the_seam_of_the_split",),
+        "MOST_BEND": (f"{M}.test_level_time_is_never_too_late", '"level"'),
     },
-    "geometry/s2xe.h": {"ANTIPODE_OFFSET": "test_products.test_frames_about_the_antipode_of_the_origin"},
+    "geometry/s2xe.h": {
+        "ANTIPODE_OFFSET": ("test_products.test_frames_about_the_antipode_of_the_origin", "antipode")
+    },
     "geometry/h2xe.h": {},
     "geometry/product.h": {},
     "special/newton.h": {
-        "NEWTON_BOUND": "test_twisted.test_the_bound_of_iterations_is_far_from_what_is_needed",
-        "NEWTON_TOLERANCE": "test_twisted.test_geodesics_over_every_seam",
+        "NEWTON_BOUND": (_ITERATIONS,),
+        "NEWTON_TOLERANCE": (f"{T}.test_geodesics_over_every_seam", "GEODESIC_FACTOR"),
     },
-    "special/stumpff.h": {"STUMPFF_SERIES_BELOW": "test_stumpff.test_values"},
+    "special/stumpff.h": {"STUMPFF_SERIES_BELOW": ("test_stumpff.test_values", "stumpff")},
     "special/meeting.h": {},
     "special/two_part.h": {},
+    "shape/ball.h": {
+        "COT_START": (f"{S}.test_the_cotangent",),
+        "COT_END": (f"{S}.test_the_cotangent",),
+        "UNKNOWN_END": (f"{S}.test_the_first_guess_over_its_cut",),
+        "PSI_END": (f"{S}.test_the_first_guess_over_its_cut",),
+        "SQUEEZE_ROUNDING": (f"{S}.test_balls_against_the_exact_distance", "0.4 * side * want"),
+        "SQUEEZE_STEPS": (f"{S}.test_balls_against_the_exact_distance", "0.4 * side * want"),
+        "BALL_SEEN_BELOW": (f"{S}.test_far_from_a_ball_its_normal_is_not_looked_for",),
+    },
+    "shape/bisected_half_space.h": {
+        "PROBE": (f"{S}.test_bisection_ends_at_the_crossing",),
+        "HALVINGS": (f"{S}.test_bisection_ends_at_the_crossing", "at.epsilon"),
+    },
+    "light/falloff_area.h": {"AREA_DENSITY_FLOOR": (_LIGHT,)},
+    "light/falloff_inverse.h": {"LENGTH_FLOOR": (_LIGHT,)},
+    "light/hard_shadow.h": {"SHADOW_LIFT": (_SHADOWS, "shadows: hard")},
+    "march.h": {"WALL_SLACK": ("test_fibred_cells.test_rays_hit_the_first_ball_of_the_orbit", "over_walls")},
 }
 # Named, but no seams: what a geometry is, and pi.
 NO_SEAMS = {"HOMOGENEOUS", "PI_HIGH", "PI_LOW"}
 
 
+def constants_of(part: str) -> set[str]:
+    pattern = r"^#define (\w+) [^\n(]*(?:C\()?[-.\dxa-fp]+f?\)?(?:\s|$)"
+    return set(re.findall(pattern, kernel_text(part), re.MULTILINE)) - NO_SEAMS
+
+
+def test_every_file_with_a_constant_is_listed() -> None:
+    for folder in ("shape", "light"):
+        for file in (files("thurston_cl.kernels") / folder).iterdir():
+            part = f"{folder}/{file.name}"
+            assert part in SEAMS or not constants_of(part), part
+
+
+def source_of(module: str, test: str) -> str:
+    """The text of a test, and of whatever its module defines that it uses, at any remove."""
+    text = (Path(__file__).parent / f"{module}.py").read_text(encoding="utf-8")
+    defined: dict[str, ast.stmt] = {}
+    for statement in ast.parse(text).body:
+        if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+            defined[statement.name] = statement
+        elif isinstance(statement, ast.Assign):
+            for name in (n.id for n in ast.walk(statement) if isinstance(n, ast.Name)):
+                defined.setdefault(name, statement)
+    assert test in defined, f"{module}.{test}"
+    used, left = {test}, [test]
+    while left:
+        for node in ast.walk(defined[left.pop()]):
+            if isinstance(node, ast.Name) and node.id in defined and node.id not in used:
+                used.add(node.id)
+                left.append(node.id)
+    return "\n".join(ast.get_source_segment(text, defined[name]) or "" for name in sorted(used))
+
+
 @pytest.mark.parametrize("part", SEAMS)
 def test_every_named_constant_is_walked_over(part: str) -> None:
-    named = set(
-        re.findall(
-            r"^#define (\w+) [^\n(]*(?:C\()?[-.\dxa-fp]+f?\)?(?:\s|$)", kernel_text(part), re.MULTILINE
-        )
-    )
-    assert named - NO_SEAMS == set(SEAMS[part])
-    for where in SEAMS[part].values():
+    assert constants_of(part) == set(SEAMS[part])
+    for name, (where, *said) in SEAMS[part].items():
         module, test = where.split(".")
-        assert f"def {test}(" in (Path(__file__).parent / f"{module}.py").read_text(encoding="utf-8"), where
+        assert (said or [name])[0] in source_of(module, test), f"{where} does not mention {name}"
 
 
 def value(name: str, part: str) -> float:
@@ -117,6 +172,20 @@ def test_lengths_go_on_over_the_seams_of_the_solver(
                 # A direction turns with the height by no more than this rate, which the corner sets.
                 rate = 8 * height * (1 + 1 / rho) if rho < 1 else 8 * height
                 assert np.abs(u[1] - u[0]).max() <= rate * e + 8 * EPSILON[precision], (name, rho, e, u)
+
+
+def test_lengths_keep_their_digits_on_both_sides_of_the_complement(opencl_device: Device) -> None:
+    """COMPLEMENT_ABOVE: near the fibre psi is tiny and its complement has lost its digits; far up the fibre
+    of a far point it is the other way round. Single precision against double, in the mean of squares."""
+    rng = np.random.default_rng(21)
+    near, far = 10 ** rng.uniform(-4, -1, 3000), rng.uniform(6.5, 9, 3000)
+    single, double = (Geometry("sl2", p, opencl_device, lanes=8) for p in ("single", "double"))
+    # Half the height, less rho; and units of EPSILON.
+    for rho, above in ((near, 10 ** rng.uniform(-3, 0.5, 3000)), (far, rng.uniform(10, 49, 3000))):
+        x, height = cut(np.sinh(rho), "single"), cut(2 * (rho + above), "single")
+        points = np.stack([x, 0 * x, np.sqrt(1 + x * x), height], axis=1)
+        off = single.geodesics(points, 1)[1][:, 0] / double.distance(points) - 1
+        assert np.sqrt((off**2).mean()) <= (1.0 if rho is near else 0.75) * EPSILON["single"], rho.max()
 
 
 # -- pairs of points off the origin, sl2 ---------------------------------------------------------------------
