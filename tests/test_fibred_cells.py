@@ -4,6 +4,7 @@ to be the first ball of the orbit along the geodesic.
 
 import numpy as np
 import pytest
+from camera_rays import view
 
 import thurston_cl as tc
 from thurston_cl.lattice import elements
@@ -12,7 +13,6 @@ from thurston_cl.scene import load_text
 from thurston_cl.scene.placement import CameraFrame, Placement
 
 SIZE = (24, 16)
-FOV = np.radians(90)
 # Manifold, place of a ball inside the cell and of one across its walls, radius, and how far rays go: so many
 # cells are in reach.
 CELLS = {
@@ -40,16 +40,6 @@ render: {{far: {far}, threshold: 1.0e-4}}
 """
 
 
-def view(camera: CameraFrame) -> np.ndarray:
-    """Directions (H*W,3) through the middles of the pixels."""
-    width, height = SIZE
-    x, y = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
-    scale = 2 * np.tan(FOV / 2) / height
-    across, upwards = (x - width / 2) * scale, (height / 2 - y) * scale
-    u = np.stack([across, upwards, np.ones_like(across)], axis=-1).reshape(-1, 3) @ camera.frame
-    return u / np.linalg.norm(u, axis=1, keepdims=True)
-
-
 @pytest.mark.parametrize("precision", ["single", "double"])
 @pytest.mark.parametrize("across", [False, True], ids=["inside", "across-walls"])
 @pytest.mark.parametrize("geometry", CELLS)
@@ -70,7 +60,7 @@ def test_rays_hit_the_first_ball_of_the_orbit(geometry: str, across: bool, preci
     reach = g.distance(centres[-1], base=camera.point)[0]
     assert reach > far + radius, "the orbit must go beyond the rays"
 
-    directions = view(camera)
+    directions = view(camera, SIZE, np.radians(90))
     hit = np.isfinite(depth)
     assert hit.mean() > 0.05 and (geometry == "h2xe" or not hit.all())
     ends, _ = g.flow(directions[hit], depth[hit], base=camera.point)

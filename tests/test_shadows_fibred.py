@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from camera_rays import view
 
 import thurston_cl as tc
 from thurston_cl.scene import load_text
@@ -61,16 +62,6 @@ render: {{far: 6, threshold: 1.0e-4, steps: 4000}}
 """
 
 
-def view(camera: CameraFrame) -> np.ndarray:
-    """Directions (H*W,3) through the middles of the pixels."""
-    width, height = SIZE
-    x, y = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
-    scale = 2 * np.tan(FOV / 2) / height
-    across, upwards = (x - width / 2) * scale, (height / 2 - y) * scale
-    u = np.stack([across, upwards, np.ones_like(across)], axis=-1).reshape(-1, 3) @ camera.frame
-    return u / np.linalg.norm(u, axis=1, keepdims=True)
-
-
 def above(g: tc.Geometry, stage: Stage, p: np.ndarray) -> np.ndarray:
     """How far points (N,4) are outside the half-space, as a length or a difference of levels."""
     if stage.normal[2]:
@@ -105,7 +96,7 @@ def test_a_shadow_is_where_the_geodesic_to_the_light_meets_an_object(
     depth, seen = (lit[0].channels[name].ravel() for name in ("depth", "object"))
     hit = seen > 0
     assert (seen == 1).sum() > 12 and (seen == 2).sum() > 100
-    points, _ = g.flow(view(camera)[hit], depth[hit].astype(float), base=camera.point)
+    points, _ = g.flow(view(camera, SIZE, FOV)[hit], depth[hit].astype(float), base=camera.point)
     on_ball = seen[hit] == 1
     assert np.abs(g.distance(points[on_ball], ball) - RADIUS).max() < 1e-3
     assert np.abs(above(g, set_up, points[~on_ball])).max() < 1e-3

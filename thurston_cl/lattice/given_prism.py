@@ -5,7 +5,18 @@ import numpy as np
 from thurston_cl.lattice.checks import INSIDE, OVERLAP, blame
 from thurston_cl.lattice.error import LatticeError
 from thurston_cl.lattice.forms import Array, unit_wall
-from thurston_cl.lattice.isometry import act, compose, fibre, identity, inverse, on_model, origin, snap, tidy
+from thurston_cl.lattice.isometry import (
+    SAME_DIGITS,
+    act,
+    compose,
+    fibre,
+    identity,
+    inverse,
+    on_model,
+    origin,
+    snap,
+    tidy,
+)
 from thurston_cl.lattice.polygon import BASE, Polygon, lower
 from thurston_cl.lattice.prism import Prism, base_radius
 from thurston_cl.lattice.radius import greatest_climb
@@ -14,8 +25,6 @@ from thurston_cl.lattice.radius import greatest_climb
 # cells that touch a domain are far fewer.
 TRIAL_POINTS = 200
 TRIAL_ELEMENTS = 2000
-# Elements that agree to so many digits after the point are one: far above rounding, far below a lattice.
-SAME_DIGITS = 6
 
 
 def prism_from(geometry: str, maps: Array, walls: Array, tolerance: float, name: str) -> Prism:

@@ -24,6 +24,9 @@ from thurston_cl.models import FIBRE, GEOMETRIES, HOMOGENEOUS, ORIGIN, TWISTED
 
 # Curvature of the base of a fibred geometry: S2, the plane, H2.
 BASE_CURVATURE = {"s2xe": 1, "h2xe": -1, "nil": 0, "sl2": -1}
+# Matrices and points that agree to so many digits after the point are the same: far above rounding, far below
+# a lattice.
+SAME_DIGITS = 6
 # The residual of an isometry whose entries are correctly rounded is below this.
 ROUNDING = 2e-15
 # How far a rotation may be from orthogonal, and from keeping the fibre: far above rounding, far below an

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from thurston_cl.lattice.domain import Lattice
 from thurston_cl.lattice.forms import Array, bisector, curvature, form, unit_wall, wall_distance
 from thurston_cl.lattice.isometry import (
+    SAME_DIGITS,
     act,
     dimension,
     fibre,
@@ -34,8 +35,6 @@ STRAIGHT_BELOW = float(np.sqrt(6.0))
 LOOKS = 16
 # How far over it, relative to its distance: far above rounding, far below a cell.
 BEYOND = 1e-6
-# Digits after the point by which elements are told apart.
-DIGITS = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +110,9 @@ class Prism(Lattice):
         points = np.concatenate([lift(self.geometry, feet, low + part * (high - low)) for part in parts])
         points[:, :2] *= 1.0 + BEYOND
         _, back, _ = self.teleport(on_model(self.geometry, points))
-        _, first = np.unique(np.round(back.reshape(len(back), -1), DIGITS) + 0.0, axis=0, return_index=True)
+        _, first = np.unique(
+            np.round(back.reshape(len(back), -1), SAME_DIGITS) + 0.0, axis=0, return_index=True
+        )
         return np.concatenate(
             [inverse(self.geometry, back[np.sort(first)]), self.inverses[list(self.level_walls)]]
         )

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice, elements
-from thurston_cl.lattice.isometry import act, compose, fibre, inverse, origin
+from thurston_cl.lattice.isometry import SAME_DIGITS, act, compose, fibre, inverse, origin
 from thurston_cl.models import FIBRED, PRODUCTS, TWISTED
 from thurston_cl.scene import schema
 from thurston_cl.scene.placement import Placement
@@ -19,8 +19,6 @@ SEARCHED = 1000
 LAST = 20
 # How far outside the domain a point of an edge may be and still be on it: far above rounding.
 ON_EDGE = 1e-9
-# Matrices that agree to so many digits after the point are the same: far above rounding, far below a lattice.
-SAME_DIGITS = 6
 
 
 def choose_near_walls(scene: schema.Scene) -> str:
