@@ -75,8 +75,9 @@ def _check(
 def _summary(scene: Scene) -> str:
     """What a scene holds, in one line."""
     where: str = scene.geometry
-    if scene.manifold is not None:
-        where += f", {scene.manifold if isinstance(scene.manifold, str) else 'a lattice given by matrices'}"
+    if scene.lattice is not None:
+        name = scene.lattice.name
+        where += f", {'a lattice given by matrices' if name == 'given' else name}"
     return f"{where}; {_count(len(scene.objects), 'object')}, {_count(len(scene.lights), 'light')}"
 
 

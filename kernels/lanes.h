@@ -26,6 +26,8 @@
 #define JOIN(a, b) JOIN_(a, b)
 #define FN static inline __attribute__((always_inline))
 #define OVERLOADED FN __attribute__((overloadable))
+// A call that is not inlined: a solver beside which the call costs nothing, and which would take long to compile at every place.
+#define SOLVER static __attribute__((noinline))
 
 typedef SCALAR scalar;
 typedef SCALAR_INT scalar_int;

@@ -24,6 +24,7 @@ BODIES = {
     "arc_tangent_2": Body(2, 1, "OUT(0, arc_tangent_2(IN(0), IN(1)));"),
     "log_1p": Body(1, 1, "OUT(0, log_1p(IN(0)));"),
     "area_sinh": Body(1, 1, "OUT(0, area_sinh(IN(0)));"),
+    "area_sinh_odd": Body(1, 1, "OUT(0, area_sinh_odd(IN(0)));"),
     "area_cosh": Body(1, 1, "OUT(0, area_cosh(IN(0)));"),
     "sinh_cosh": Body(1, 2, "real c; OUT(0, sinh_cosh(IN(0), &c)); OUT(1, c);"),
     "unit_correction": Body(1, 1, "OUT(0, unit_correction(IN(0)));"),
@@ -33,6 +34,7 @@ REFERENCES: dict[str, Callable[..., tuple[Any, ...]]] = {
     "arc_tangent_2": lambda y, x: (np.arctan2(y, x),),
     "log_1p": lambda x: (np.log1p(x),),
     "area_sinh": lambda x: (np.arcsinh(x),),
+    "area_sinh_odd": lambda x: (np.arcsinh(x),),
     "area_cosh": lambda x: (np.arccosh(x),),
     "sinh_cosh": lambda x: (np.sinh(x), np.cosh(x)),
 }
@@ -67,6 +69,10 @@ def samples(name: str, precision: str) -> NDArray[np.floating]:
             ),
             # The last doubling before the largest number overflows.
             "area_sinh": (10 ** rng.uniform(-largest + 1, largest - 0.4, half), rng.uniform(0, 10, half)),
+            "area_sinh_odd": (
+                -(10 ** rng.uniform(-largest + 1, largest - 0.4, half)),
+                rng.uniform(-10, 10, half),
+            ),
             "area_cosh": (2 * 10 ** rng.uniform(0, largest - 0.4, half), rng.uniform(2, 10, half)),
             "sinh_cosh": (
                 rng.uniform(-20, 20, half),

@@ -20,6 +20,7 @@ CELLS = {
     "h2xe": ("orbi-torus", (0.3, 0.2, 0.3), (0.7, 0.2, 0.7), 0.35, 3.0, 700),
     "nil": ("heisenberg", (0.1, 0.2, 0.15), (0.45, 0.2, 0.48), 0.25, 2.5, 900),
     "sl2": ("genus-two", (0.4, 0.3, 0.5), (1.4, 0.3, 3.0), 0.7, 5.0, 1500),
+    "sol": ("anosov", (0.05, 0.1, 0.1), (0.2, 0.12, 0.45), 0.2, 3.0, 4000),
 }
 # So many rays are sampled, so finely; and a ray may end so far from a ball that it hits, far above rounding.
 RAYS = 24
@@ -53,7 +54,7 @@ def test_rays_hit_the_first_ball_of_the_orbit(geometry: str, across: bool, preci
     g = tc.Geometry(geometry)
     place = Placement(g)
     camera = CameraFrame(scene.camera, place)
-    assert scene.lattice is not None
+    assert scene.lattice is not None and camera.carry(scene.lattice)
     centre, _, _ = scene.lattice.teleport(place.point(at)[None])
     orbit = elements(scene.lattice, count=count)
     centres = act(geometry, orbit, centre[0])

@@ -16,6 +16,7 @@ from small_kernels import Body, SmallKernels
 from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
 from thurston_cl.program import geometry_parts
+from thurston_cl.scene.writer import shape_parts
 
 GEOMETRIES = ("e3", "s3", "h3")
 LANES = 16
@@ -85,10 +86,10 @@ class Setting(NamedTuple):
 @pytest.fixture(scope="module", params=[(n, p) for n in GEOMETRIES for p in EPSILON], ids="-".join)
 def at(request: pytest.FixtureRequest, opencl_device: Device) -> Setting:
     name, precision = request.param
-    files = [f"shape/{shape}.h" for shape in DISTANCES if shape != "horoball" or name == "h3"]
-    bodies = {shape: body(call) for shape, call in DISTANCES.items() if f"shape/{shape}.h" in files}
+    shapes = [shape for shape in DISTANCES if shape != "horoball" or name == "h3"]
+    bodies = {shape: body(DISTANCES[shape]) for shape in shapes}
     bodies |= {name: set_body(call) for name, call in SETS.items()}
-    parts = (*geometry_parts(name), "scene_types.h", *files)
+    parts = (*geometry_parts(name), "scene_types.h", *sorted(shape_parts(name, shapes)))
     kernels = SmallKernels(opencl_device, parts, bodies, precision, LANES)
     return Setting(Geometry(name, precision, opencl_device, lanes=LANES), kernels)
 

@@ -186,14 +186,14 @@ def test_tidy_puts_an_isometry_right(geometry):
 
 
 def test_dimensions():
-    assert [iso.dimension(g) for g in iso.GEOMETRIES] == [4, 4, 4, 5, 5, 4, 5]
-    assert [len(iso.identity(g)) for g in iso.GEOMETRIES] == [4, 4, 4, 5, 5, 4, 5]
+    assert [iso.dimension(g) for g in iso.GEOMETRIES] == [4, 4, 4, 5, 5, 4, 5, 4]
+    assert [len(iso.identity(g)) for g in iso.GEOMETRIES] == [4, 4, 4, 5, 5, 4, 5, 4]
     for geometry in iso.GEOMETRIES:
         o = iso.origin(geometry)
         np.testing.assert_array_equal(iso.on_model(geometry, o), o)
         assert iso.homogeneous(geometry, o).shape == (iso.dimension(geometry),)
-    with pytest.raises(tl.LatticeError, match="no lattices for geometry 'sol'"):
-        tl.names("sol")
+    with pytest.raises(tl.LatticeError, match="no lattices for geometry 'solv'"):
+        tl.names("solv")
 
 
 # --- how far the fibre coordinate goes ----------------------------------------------------------------------

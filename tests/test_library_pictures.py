@@ -39,7 +39,10 @@ FIGURES = {
     "figure 1",
     "figure 37(a)",
     "figure 37(b)",
-    *(f"figure {number}({letter})" for number in (30, 31, 32, 38, 39, 51, 60) for letter in "abc"),
+    *(f"figure {number}({letter})" for number in (30, 31, 32, 38, 39, 51, 60, 67) for letter in "abc"),
+    "figure 62",
+    "figure 63",
+    *(f"figure {number}({letter})" for number in (64, 65) for letter in "abcd"),
 }
 
 # The share of pixels that hit something at least, and at most where rays should also escape. In a tiling of
@@ -77,6 +80,25 @@ OPEN = {
     "sl2/line-of-balls": (0.4, 0.75),
     "sl2/vertical-half-space": (0.45, 0.8),
     "sl2/vertical-half-space-along": (0.45, 0.75),
+    "sol/anosov-floors": (0.85, 0.99),
+    "sol/anosov-globes": (0.9, 0.99),
+    "sol/balls-exact-and-pseudo": (0.2, 0.6),
+    "sol/between-horizontal-planes": (0.6, 0.9),
+    "sol/between-horizontal-planes-diagonal": (0.9, 0.99),
+    "sol/bundle-of-trace-four": (0.55, 0.9),
+    "sol/cube": (0.25, 0.6),
+    "sol/cube-from-a-distance": (0.1, 0.4),
+    "sol/cube-lattice": (0.75, 0.95),
+    "sol/cylinders": (0.8, 0.98),
+    "sol/horizontal-half-space": (0.6, 0.9),
+    "sol/hyperbolic-grids": (0.2, 0.6),
+    "sol/hyperbolic-half-space": (0.75, 0.98),
+    "sol/negative-trace-comets": (0.5, 0.85),
+    "sol/plane-of-cubes": (0.65, 0.9),
+    "sol/pseudo-cylinders": (0.8, 0.98),
+    "sol/square-tubes": (0.3, 0.7),
+    "sol/straight-lines": (0.35, 0.7),
+    "sol/sun": (0.45, 0.8),
 }
 # Light that blows up is what these show.
 GLARING = ("s2xe/light-over-the-pole",)
@@ -92,6 +114,9 @@ COMPARED = (
     "h2xe/orbi-torus-tile",
     "nil/globes",
     "sl2/vertical-half-space",
+    "sol/anosov-globes",
+    "sol/cube",
+    "sol/one-light",
 )
 
 

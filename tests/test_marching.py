@@ -1,5 +1,5 @@
 """What the marcher asks of every geometry: its own flow, walls, levels of the fibre, bounds of the distance,
-the isometries of sl2.
+the isometries of sl2. Walls and levels of sol are in tests/test_sol_bounds.py.
 
 Truth are the double-precision flow and distance of the numerical API, which tests/test_golden*.py hold to 25
 digits, at the inputs that the kernel has after rounding.
@@ -15,7 +15,7 @@ from small_kernels import Body, SmallKernels
 
 from thurston_cl.device import Device
 from thurston_cl.geometry import ORIGIN, Geometry
-from thurston_cl.models import FIBRED, GEOMETRIES, HOMOGENEOUS, TWISTED
+from thurston_cl.models import FIBRED, GEOMETRIES, HOMOGENEOUS, LEFT_INVARIANT, TWISTED
 from thurston_cl.program import geometry_parts, kernel_text
 
 FIBRE = {"s2xe": 3, "h2xe": 3, "nil": 2, "sl2": 3}
@@ -78,6 +78,11 @@ _LEVEL = Body(9, 1, _RAY + "OUT(0, level_time(p, v, IN(7), IN(8)));")
 
 
 def bodies(name: str) -> dict[str, Body]:
+    if name == "sol":
+        # Its walls have times of their own.
+        frames = BODIES["frames"]
+        text = frames.text.replace("wall_velocity(p, v)", "velocity(p, u)")
+        return {**BODIES, "frames": frames._replace(text=text)}
     fifth = " + IN(11)" if HOMOGENEOUS[name] == 5 else ""
     aside = "wall_turning(p, v)" if name in TWISTED else "v"
     wall = (
@@ -134,6 +139,11 @@ def at(request: pytest.FixtureRequest, opencl_device: Device) -> Setting:
     return prepare(request.param, opencl_device)
 
 
+@pytest.fixture(scope="module", params=[s for s in SETTINGS if s[0] != "sol"], ids=identifier)
+def walled(request: pytest.FixtureRequest, opencl_device: Device) -> Setting:
+    return prepare(request.param, opencl_device)
+
+
 @pytest.fixture(scope="module", params=[s for s in SETTINGS if s[0] in FIBRED], ids=identifier)
 def fibred(request: pytest.FixtureRequest, opencl_device: Device) -> Setting:
     return prepare(request.param, opencl_device)
@@ -166,7 +176,7 @@ def points(name: str, count: int, radius: float, rng: np.random.Generator) -> Ar
     r, across = np.linalg.norm(v, axis=1), np.linalg.norm(v[:, :2], axis=1)
     one = np.ones(count)
     match name:
-        case "e3" | "nil":
+        case "e3" | "nil" | "sol":
             return np.column_stack([v, one])
         case "s3":
             return np.column_stack([v * (np.sin(r) / r)[:, None], np.cos(r)])
@@ -257,7 +267,7 @@ def test_reproject_changes_nothing_but_rounding(at: Setting) -> None:
 def test_frames_gradients_and_velocities_belong_together(at: Setting) -> None:
     p, u = rays(at, 600, 2, 3)
     g = np.random.default_rng(4).normal(size=(600, 4))
-    if at.name == "nil":
+    if at.name in ("nil", "sol"):
         g[:, 3] = 0
     got = at.run("frames", p, u, g)
     allowed = 32 * at.epsilon * size_of(p) ** 2
@@ -278,7 +288,7 @@ def test_bounds_hold_the_distance_between_them(at: Setting) -> None:
     units = 8 * at.epsilon * (want + at.epsilon)
     assert (below <= want + units).all() and (want <= above + units).all()
     assert (np.abs(from_origin - want) <= 2 * units).all() and (np.abs(exact - want) <= 2 * units).all()
-    if at.name not in TWISTED:
+    if at.name not in LEFT_INVARIANT:
         assert (np.abs(below - want) <= units).all() and (np.abs(above - want) <= units).all()
     else:
         assert (above <= 2 * want + units).all() or at.name == "nil"
@@ -348,8 +358,8 @@ def check_crossings(at: Setting, p: Array, u: Array, n: Array, horizon: float) -
     return got, height[inside]
 
 
-def test_walls_are_crossed_first_where_it_is_said(at: Setting) -> None:
-    rng = np.random.default_rng(6)
+def test_walls_are_crossed_first_where_it_is_said(walled: Setting) -> None:
+    at, rng = walled, np.random.default_rng(6)
     p, u = rays(at, 1500, 1.5, 7)
     q = points(at.name, 1500, 2.0, rng)
     got, _ = check_crossings(at, p, u, side_walls(at, on_model(at.name, p), q, rng), 8.0)
@@ -357,9 +367,9 @@ def test_walls_are_crossed_first_where_it_is_said(at: Setting) -> None:
     assert crossed > 0.2 and ((crossed < 1) or at.name == "s3")
 
 
-def test_walls_that_are_grazed(at: Setting) -> None:
+def test_walls_that_are_grazed(walled: Setting) -> None:
     """Nearly tangent to the way, crossed or missed by little: it may be either, by rounding."""
-    rng = np.random.default_rng(8)
+    at, rng = walled, np.random.default_rng(8)
     p, u = rays(at, 1000, 1.0, 9)
     start, ahead = on_model(at.name, p), unit(u)
     t = rng.uniform(0.1, 2.0, 1000)
@@ -369,9 +379,9 @@ def test_walls_that_are_grazed(at: Setting) -> None:
         check_crossings(at, p, u, facing(at, n, start), 6.0)
 
 
-def test_walls_next_to_the_start(at: Setting) -> None:
+def test_walls_next_to_the_start(walled: Setting) -> None:
     """Heights down to rounding, on rays that leave the wall and come to it."""
-    rng = np.random.default_rng(10)
+    at, rng = walled, np.random.default_rng(10)
     p, u = rays(at, 1000, 1.0, 11)
     start = on_model(at.name, p)
     normal = unit(rng.normal(size=(1000, 3)) * ([1, 1, 0] if at.name in FIBRED else [1, 1, 1]))
@@ -381,8 +391,9 @@ def test_walls_next_to_the_start(at: Setting) -> None:
     check_crossings(at, p, u, facing(at, n, start), 6.0)
 
 
-def test_the_greatest_ratio_is_the_first_crossing(at: Setting) -> None:
+def test_the_greatest_ratio_is_the_first_crossing(walled: Setting) -> None:
     """crossing_time falls with the ratio, over both signs and every kind of direction."""
+    at = walled
     _, u = rays(at, 600, 1.0, 12)
     ratios = np.sort(
         np.concatenate([[-np.inf], -(10.0 ** np.arange(-6, 7)), [0.0], 10.0 ** np.arange(-6, 7)])
@@ -572,6 +583,10 @@ FAMILIES = {
         (_UP, _O, [1, 0, 0, 0, 0]),
         ((0.75, 0, 1.25, 2), (0.75, 0, 1.25, -11), [1, 1, 0, 0, 0]),
         ((0.75, 0, 1.25, 7), _O, [0, 0, 0, 0, 0]),
+    ],
+    "sol": [
+        ((0, 0, 7, 1), (0, 0, 0, 1), [0, 0, 0, 0, 0]),
+        ((20, 15, 0.5, 1), (0, 0, 0, 1), [0, 0, 0, 0, 0]),
     ],
 }
 

@@ -33,18 +33,22 @@ from thurston_cl.program import kernel_text
 # the source of that test says of it, with the functions and constants of its module that it uses. By default
 # that is the constant's own name.
 R, T, M, S = "test_regimes", "test_twisted", "test_marching", "test_shapes_fibred"
+SOL = "test_shapes_sol"
 _ITERATIONS = f"{T}.test_the_bound_of_iterations_is_far_from_what_is_needed"
 _LENGTHS = f"{R}.test_lengths_go_on_over_the_seams_of_the_solver"
 _LIGHT = "test_light_falloff.test_light_fades_by_its_law_until_it_is_far_brighter_than_white"
 _SHADOWS = "test_shadows_fibred.test_a_shadow_is_where_the_geodesic_to_the_light_meets_an_object"
+_SOL_WALKS = "test_sol_flow.test_walks"
+_SOL_SEARCH = "test_sol_geodesics.test_the_choices_of_the_search_do_not_matter"
 SEAMS: dict[str, dict[str, tuple[str, ...]]] = {
     "geometry/twisted.h": {
         "AXIS_RATIO": (f"{T}.test_rho_to_0_is_the_fibre", "rho <= 1e-19 * height"),
         "QUARTER_TURN": (_LENGTHS,),
         "QUARTER_TURN_END": (_LENGTHS, "quarter turn"),
         "START_BELOW": (f"{T}.test_pairs_appear_at_the_folds", "fold_height"),
-        "LOOK_AHEAD": (f"{M}.test_levels_are_reached_in_few_steps", "LEVEL_STEPS"),
     },
+    "geometry/left_invariant.h": {},
+    "special/rise.h": {"LOOK_AHEAD": (f"{M}.test_levels_are_reached_in_few_steps", "LEVEL_STEPS")},
     "geometry/nil.h": {
         "POLE_SHIFT": (_ITERATIONS, "with_bound"),
         "CUBE_ROOT_HALF": (_ITERATIONS, "with_bound"),
@@ -68,16 +72,72 @@ SEAMS: dict[str, dict[str, tuple[str, ...]]] = {
         "NEWTON_TOLERANCE": (f"{T}.test_geodesics_over_every_seam", "GEODESIC_FACTOR"),
     },
     "special/stumpff.h": {"STUMPFF_SERIES_BELOW": ("test_stumpff.test_values", "stumpff")},
+    "special/jacobi.h": {
+        "AGM_STEPS": ("test_special.test_steps_of_the_mean",),
+        "HYPERBOLIC_BELOW": ("test_special.test_where_hyperbolic_functions_begin",),
+        "SECH_END": ("test_special.test_where_sech_vanishes",),
+        "DIFFERENCE_BELOW": ("test_special.test_where_c_is_a_difference",),
+    },
+    "special/carlson.h": {"DUPLICATIONS": ("test_carlson.test_one_duplication_fewer_is_too_few",)},
+    "geometry/sol.h": {},
+    "geometry/sol_phase.h": {
+        "CLOSED_BELOW": ("test_sol_flow.test_the_integral_on_both_sides_of_the_closed_form",),
+        "ASCENTS": ("test_sol_flow.test_one_ascent_fewer_is_too_few",),
+        "SHORT_PHASE": (_SOL_WALKS,),
+        "PLANAR_BELOW": (_SOL_WALKS,),
+        "PHASE_END": ("test_sol_flow.test_planes_go_on_to_the_end_of_double_precision",),
+    },
+    "geometry/sol_flow.h": {
+        "HALF_TANGENT_BELOW": (_SOL_WALKS,),
+        "BETA_SN_ABOVE": ("test_sol_flow.test_both_forms_next_to_the_seam_of_beta_sn",),
+        "MOST_STEPS": ("test_sol_flow.test_transport_ends_at_its_bound",),
+        "TRANSPORT_STEP": ("test_sol_flow.test_transport_over_its_steps",),
+        "NODES": ("test_sol_flow.test_transport_over_its_steps",),
+    },
+    "geometry/sol_bounds.h": {
+        "BOUND_FACTOR": ("test_sol_bounds.test_a_greater_factor_is_too_great",),
+        "MOST_JERK": ("test_sol_bounds.test_the_most_jerk",),
+        "SIDE_HORIZON": ("test_sol_bounds.test_side_time_is_never_too_late",),
+        "SIDE_GROWTH": ("test_sol_bounds.test_side_time_is_never_too_late",),
+    },
+    "geometry/sol_geodesics.h": {
+        "WIDE_ABOVE": (_SOL_SEARCH,),
+        "APART_BELOW": (_SOL_SEARCH,),
+        "OUTWARD_LEAST": (_SOL_SEARCH,),
+        "OUTWARD_MOST": (_SOL_SEARCH,),
+        "MINIMUM_STEPS": (_SOL_SEARCH,),
+        "GOLDEN": (_SOL_SEARCH,),
+        "ROOT_START": (_SOL_SEARCH,),
+        "MOST_WINDINGS": ("test_sol_geodesics.test_how_far_lists_go",),
+        "AXIS_BELOW": ("test_sol_geodesics.test_next_to_the_axis",),
+        "LENGTH_TOLERANCE": ("test_sol_geodesics.test_a_length_is_as_exact_as_the_square_of_the_tolerance",),
+    },
+    "geometry/sol_light.h": {
+        "CLOSED_AREA_ABOVE": ("test_sol_light.test_on_both_sides_of_the_closed_form",),
+        "AREA_STEP": ("test_sol_light.test_the_integration_is_of_order_four",),
+    },
+    "flow/rk4.h": {},
     "special/meeting.h": {},
     "special/two_part.h": {},
     "shape/ball.h": {
+        "SQUEEZE_ROUNDING": (f"{S}.test_balls_against_the_exact_distance", "0.4 * side * want"),
+        "BALL_SEEN_BELOW": (f"{S}.test_far_from_a_ball_its_normal_is_not_looked_for",),
+    },
+    "shape/ball_twisted.h": {
         "COT_START": (f"{S}.test_the_cotangent",),
         "COT_END": (f"{S}.test_the_cotangent",),
         "UNKNOWN_END": (f"{S}.test_the_first_guess_over_its_cut",),
         "PSI_END": (f"{S}.test_the_first_guess_over_its_cut",),
-        "SQUEEZE_ROUNDING": (f"{S}.test_balls_against_the_exact_distance", "0.4 * side * want"),
         "SQUEEZE_STEPS": (f"{S}.test_balls_against_the_exact_distance", "0.4 * side * want"),
-        "BALL_SEEN_BELOW": (f"{S}.test_far_from_a_ball_its_normal_is_not_looked_for",),
+    },
+    "shape/ball_sol.h": {
+        "LEAST_FADING": (f"{SOL}.test_the_first_term_fades_as_the_bounds_say",),
+        "MOST_FADING": (f"{SOL}.test_the_first_term_fades_as_the_bounds_say",),
+        "FADING_KNOWN_BELOW": (f"{SOL}.test_the_bounds_of_a_ball",),
+    },
+    "shape/pseudo_ball.h": {
+        "HALF_C": (f"{SOL}.test_pseudo_shapes_are_the_paper_s",),
+        "INVERSE_ROOT": (f"{SOL}.test_pseudo_shapes_are_the_paper_s",),
     },
     "shape/bisected_half_space.h": {
         "PROBE": (f"{S}.test_bisection_ends_at_the_crossing",),
@@ -89,7 +149,7 @@ SEAMS: dict[str, dict[str, tuple[str, ...]]] = {
     "march.h": {"WALL_SLACK": ("test_fibred_cells.test_rays_hit_the_first_ball_of_the_orbit", "over_walls")},
 }
 # Named, but no seams: what a geometry is, and pi.
-NO_SEAMS = {"HOMOGENEOUS", "PI_HIGH", "PI_LOW"}
+NO_SEAMS = {"HALF_PI", "HOMOGENEOUS", "PI_HIGH", "PI_LOW"}
 
 
 def constants_of(part: str) -> set[str]:

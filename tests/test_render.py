@@ -257,6 +257,9 @@ def test_a_tile_stands_beside_what_crosses_a_wall():
         "geometry: h3\ncamera: {at: [1000, 0, 0]}\nobjects: [{ball: {radius: 0.3}}]\n",
         "geometry: h3\nobjects: [{ball: {radius: 0.3}, at: [800, 0, 0]}]\n",
         "geometry: h3\nobjects: [{ball: {radius: 0.3}}]\nlights: [{point: {at: [800, 0, 0]}}]\n",
+        "geometry: sol\nobjects: [{ball: {radius: 0.3}, at: [0, 0, -28]}]\n",
+        "geometry: sol\nobjects: [{ball: {radius: 0.3}, at: {model: [0, 0, 28, 1]}}]\n",
+        "geometry: sol\ncamera: {at: {model: [1e13, 0, 0, 1]}}\nobjects: [{ball: {radius: 0.3}}]\n",
     ],
 )
 def test_what_is_too_far_away_is_an_error_at_its_line(text):

@@ -21,7 +21,7 @@ class Mistake:
 
 
 BALL = "objects: [{ball: {radius: 1}}]\n"
-E3, S3, H3 = (f"geometry: {name}\n{BALL}" for name in ("e3", "s3", "h3"))
+E3, S3, H3, SOL = (f"geometry: {name}\n{BALL}" for name in ("e3", "s3", "h3", "sol"))
 
 
 def an_object(text: str, geometry: str = "e3") -> str:
@@ -59,14 +59,8 @@ MISTAKES = {
     "geometry in capitals": Mistake(
         f"geometry: H3\n{BALL}", "1:11", "'H3' is not one of", "did you mean 'h3'?"
     ),
-    "geometry of a later version": Mistake(
-        f"geometry: sol\n{BALL}", "1:11", "'sol' is not rendered yet; available: e3, s3, h3, s2xe"
-    ),
-    "misspelt geometry of a later version": Mistake(
-        f"geometry: Solv\n{BALL}",
-        "1:11",
-        "'Solv' is not one of",
-        "did you mean 'sol'? It is not rendered yet",
+    "misspelt geometry": Mistake(
+        f"geometry: Solv\n{BALL}", "1:11", "'Solv' is not one of", "did you mean 'sol'?"
     ),
     "geometry by its group": Mistake(
         f"geometry: SL(2,R)\n{BALL}", "1:11", "'SL(2,R)' is not one of", "did you mean 'sl2'?"
@@ -356,6 +350,93 @@ MISTAKES = {
         "3:34",
         "in sl2 a cylinder stands along the fiber",
         "write [0, 0, 1]",
+        schema=False,
+    ),
+    "misspelt monodromy": Mistake(
+        f"geometry: sol\nmanifold: {{monodromi: [[2, 1], [1, 1]]}}\n{BALL}",
+        "2:12",
+        "unknown key 'monodromi'",
+        "did you mean 'monodromy'?",
+    ),
+    "far half-space in sol": Mistake(
+        an_object("half-space: {normal: [0, -1, 0], offset: -800}", "sol"),
+        "3:46",
+        "in sol a plane is at most 27 from the center; this one is 800",
+        schema=False,
+    ),
+    "thick slab in sol": Mistake(
+        an_object("slab: {normal: [0, 0, 1], thickness: 54.5}", "sol"),
+        "3:42",
+        "in sol a plane is at most 27 from the center; this one is 27.25",
+        schema=False,
+    ),
+    "slanted half-space in sol": Mistake(
+        an_object("half-space: {normal: [1, 0, -2]}", "sol"),
+        "3:26",
+        "in sol the normal of a half-space is along an axis: [±1, 0, 0], [0, ±1, 0] or [0, 0, ±1]",
+        "write [0, 0, -1]",
+        schema=False,
+    ),
+    "slanted slab in sol": Mistake(
+        an_object("slab: {normal: [0, 1, 1], thickness: 1}", "sol"),
+        "3:20",
+        "in sol the normal of a slab is along an axis",
+        "write [0, 1, 0]",
+        schema=False,
+    ),
+    "vertical cylinder in sol": Mistake(
+        an_object("cylinder: {radius: 1}", "sol"),
+        "3:15",
+        "in sol a cylinder is about the x-axis, [1, 0, 0], or the y-axis, [0, 1, 0]",
+        "write 'along: [1, 0, 0]' or 'along: [0, 1, 0]', or make it a pseudo-cylinder",
+        schema=False,
+    ),
+    "cylinder about a diagonal of sol": Mistake(
+        an_object("cylinder: {radius: 1, along: [1, 1, 0]}", "sol"),
+        "3:34",
+        "in sol a cylinder is about the x-axis",
+        "make it a pseudo-cylinder",
+        schema=False,
+    ),
+    "slanted pseudo-cylinder": Mistake(
+        an_object("pseudo-cylinder: {radius: 1, along: [1, 0, 1]}", "sol"),
+        "3:41",
+        "a pseudo-cylinder is vertical, [0, 0, 1], or horizontal, [x, y, 0]",
+        "write [0, 0, 1] or [1, 0, 0]",
+        schema=False,
+    ),
+    "pseudo-ball in e3": Mistake(
+        an_object("pseudo-ball: {radius: 1}"),
+        "3:5",
+        "pseudo-balls are made in sol, not in e3",
+        "write 'ball: ...'",
+        schema=False,
+    ),
+    "pseudo-cylinder in nil": Mistake(
+        an_object("pseudo-cylinder: {radius: 1}", "nil"),
+        "3:5",
+        "pseudo-cylinders are made in sol, not in nil",
+        "write 'cylinder: ...'",
+        schema=False,
+    ),
+    "turn about an axis of sol": Mistake(
+        an_object("{ball: {radius: 1}, rotate: {axis: [1, 0, 0], angle: 180 deg}}", "sol"),
+        "3:40",
+        "in sol the axis of a rotation is [0, 0, 1], [1, 1, 0] or [1, -1, 0]",
+        "write one of these",
+        schema=False,
+    ),
+    "quarter turn in sol": Mistake(
+        an_object("{ball: {radius: 1}, rotate: {axis: [0, 0, 1], angle: 90 deg}}", "sol"),
+        "3:58",
+        "sol can be turned by 180 deg only; this is 90 deg",
+        "write '180 deg'",
+        schema=False,
+    ),
+    "point off the model, sol": Mistake(
+        an_object("{ball: {radius: 1}, at: {model: [1, 0, 0, 0]}}", "sol"),
+        "3:37",
+        "where w = 1",
         schema=False,
     ),
     "crossing where the distance is known": Mistake(
@@ -649,7 +730,73 @@ MISTAKES = {
     "light without a place": Mistake(
         f"{E3}lights: [point: {{}}]\n", "3:17", "a point light needs the key 'at'"
     ),
-    "sun": Mistake(f"{E3}lights: [sun: {{}}]\n", "3:10", "unknown key 'sun'", "point lights only"),
+    "light straight where geodesics are known": Mistake(
+        f"{E3}lights: [point: {{at: [0, 0, 1], direction: straight}}]\n",
+        "3:33",
+        "in e3 light comes along geodesics as quickly",
+        "leave direction out",
+        schema=False,
+    ),
+    "area density of a straight line": Mistake(
+        f"{SOL}lights: [point: {{at: [0, 0, 1], direction: straight, falloff: area}}]\n",
+        "3:63",
+        "what comes along a straight line has no area density",
+        "write inverse or constant",
+        schema=False,
+    ),
+    "two straight lines": Mistake(
+        f"{SOL}lights: [point: {{at: [0, 0, 1], direction: straight, geodesics: 2}}]\n",
+        "3:54",
+        "only one straight line joins two points",
+        "leave geodesics out, or 'direction: straight'",
+        schema=False,
+    ),
+    "shadows along a straight line": Mistake(
+        f"{SOL}lights: [{{point: {{at: [0, 0, 1], direction: straight}}, shadows: hard}}]\n",
+        "3:56",
+        "light along a straight line of coordinates throws no shadows",
+        "leave out shadows, or 'direction: straight'",
+        schema=False,
+    ),
+    "sun in h3": Mistake(
+        f"{H3}lights: [sun: {{}}]\n",
+        "3:15",
+        "h3 has no parallel light",
+        "write 'point: {at: ...}' instead",
+        schema=False,
+    ),
+    "slanted sun in sol": Mistake(
+        f"{SOL}lights: [sun: {{from: [1, 0, -1]}}]\n",
+        "3:22",
+        "in sol only vertical light is parallel: from [0, 0, 1] or [0, 0, -1]",
+        "write [0, 0, -1]",
+        schema=False,
+    ),
+    "sun that a manifold turns": Mistake(
+        f"{E3}manifold: half-turn\nlights: [sun: {{from: [1, 0, 0]}}]\n",
+        "4:22",
+        "this manifold turns the direction of the sun",
+        "use a point light, or leave the manifold out",
+        schema=False,
+    ),
+    "sun along": Mistake(
+        f"{E3}lights: [sun: {{along: [1, 0, 0]}}]\n", "3:16", "unknown key 'along'", "write 'from: [x, y, z]'"
+    ),
+    "sun at a place": Mistake(
+        f"{E3}lights: [sun: {{at: [1, 0, 0]}}]\n", "3:16", "unknown key 'at'", "write 'from: [x, y, z]'"
+    ),
+    "directional": Mistake(
+        f"{E3}lights: [directional: {{}}]\n", "3:10", "unknown key 'directional'", "did you mean 'sun'?"
+    ),
+    "spot": Mistake(
+        f"{E3}lights: [spot: {{}}]\n", "3:10", "unknown key 'spot'", "point lights and suns only"
+    ),
+    "sun and point": Mistake(
+        f"{E3}lights: [{{sun: {{}}, point: {{at: [0, 0, 1]}}}}]\n",
+        "3:20",
+        "a light has only one of 'sun' and 'point'",
+        "begin each light with '- '",
+    ),
     "soft shadows": Mistake(
         f"{E3}lights: [{{point: {{at: [0, 0, 1]}}, shadows: soft}}]\n",
         "3:44",

@@ -14,7 +14,7 @@ import pydantic
 import pytest
 
 from thurston_cl.errors import SceneError
-from thurston_cl.models import FIBRED, GEOMETRIES, HOMOGENEOUS
+from thurston_cl.models import FIBRED, GEOMETRIES, HOMOGENEOUS, LEFT_INVARIANT
 from thurston_cl.scene import load_scene, load_text, scene_schema
 from thurston_cl.scene.base import Node
 from thurston_cl.scene.parse import parse
@@ -28,6 +28,8 @@ from thurston_cl.scene.schema import (
     ModelPoint,
     Object,
     Pattern,
+    PseudoBall,
+    PseudoCylinder,
     Scene,
     Shape,
     Slab,
@@ -215,6 +217,7 @@ MODEL_POINTS = {
     "h2xe": ([0, 0.75, 1.25, -7], 2),
     "nil": ([1, 2, 3, 1], 3),
     "sl2": ([0, 0.75, 1.25, -7], 2),
+    "sol": ([1, 2, 3, 1], 3),
 }
 
 
@@ -302,6 +305,59 @@ def test_turns_keep_fibers(geometry: str) -> None:
         with pytest.raises(SceneError, match="by 180 deg only"):
             turned("[1, -1, 0]", angle)
     of_geometry("h3", "{ball: {radius: 1}, rotate: {axis: [1, 1, 1], angle: 17 deg}}")
+
+
+def test_directions_in_sol() -> None:
+    """Planes and cylinders at the axes of the coordinates, pseudo-cylinders and turns at more."""
+    for axis in ([1, 0, 0], [0, -2, 0], [0, 0, 0.5]):
+        assert of_geometry("sol", f"half-space: {{normal: {axis}}}").shape.normal == tuple(axis)
+        of_geometry("sol", f"slab: {{normal: {axis}, thickness: 1}}")
+        if axis[2] == 0:
+            of_geometry("sol", f"cylinder: {{radius: 1, along: {axis}}}")
+    for along in ([0, 0, -1], [1, 2, 0], [0, 1, 0]):
+        pseudo = of_geometry("sol", f"pseudo-cylinder: {{radius: 1, along: {along}}}")
+        assert isinstance(pseudo.shape, PseudoCylinder)
+        assert pseudo.kind == "pseudo-cylinder"
+    assert isinstance(of_geometry("sol", "pseudo-ball: {radius: 1}").shape, PseudoBall)
+
+    def turned(axis: str, angle: str) -> None:
+        of_geometry("sol", f"{{ball: {{radius: 1}}, rotate: {{axis: {axis}, angle: {angle}}}}}")
+
+    for axis in ("[0, 0, -1]", "[1, 1, 0]", "[-2, 2, 0]"):
+        for angle in ("180 deg", "-180 deg", "0 deg", "0.5 turn"):
+            turned(axis, angle)
+        with pytest.raises(SceneError, match="by 180 deg only"):
+            turned(axis, "180.00000001 deg")
+    for axis in ("[0, 1, 0]", "[1, 1, 1]", "[1, 1.001, 0]"):
+        with pytest.raises(SceneError, match="the axis of a rotation is"):
+            turned(axis, "180 deg")
+
+
+def test_lights_along_straight_lines() -> None:
+    for geometry in LEFT_INVARIANT:
+        light = "lights: [point: {at: [0.1, 0, 0], direction: straight"
+        point = scene_of(light + "}]\n", geometry).lights[0].point
+        assert (point.direction, point.falloff, point.geodesics) == ("straight", "constant", 1)
+        faded = scene_of(light + ", falloff: inverse}]\n", geometry).lights[0].point
+        assert faded.falloff == "inverse"
+    assert scene_of("lights: [point: {at: [0.1, 0, 0]}]\n", "sol").lights[0].point.direction == "geodesic"
+
+
+def test_suns() -> None:
+    def sun(geometry: str, text: str = "", more: str = "") -> Any:
+        return scene_of(f"{more}lights: [{{sun: {{{text}}}, shadows: hard}}]\n", geometry).lights[0].sun
+
+    assert sun("e3", "from: [1, 2, 3]").towards == (1, 2, 3)
+    assert sun("sol").towards == (0, 0, 1)
+    for geometry in (*FIBRED, "sol"):
+        assert sun(geometry, "from: [0, 0, -2], intensity: 3").intensity == 3
+    # Manifolds that keep the direction.
+    sun("e3", "from: [1, 0, 0]", "manifold: three-torus\n")
+    sun("e3", "", "manifold: quarter-turn\n")
+    for geometry, manifold in (("nil", "heisenberg"), ("sl2", "genus-two"), ("h2xe", "orbi-torus")):
+        sun(geometry, "", f"manifold: {manifold}\n")
+    with pytest.raises(SceneError, match="turns the direction"):
+        sun("e3", "", "manifold: hantzsche-wendt\n")
 
 
 @pytest.mark.parametrize("geometry", GEOMETRIES)

@@ -17,6 +17,7 @@ from small_kernels import Body, SmallKernels
 from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
 from thurston_cl.program import geometry_parts
+from thurston_cl.scene.writer import shape_parts
 
 PRODUCTS = ("s2xe", "h2xe")
 TWISTED = ("nil", "sl2")
@@ -91,7 +92,7 @@ def small_kernels(device: Device, geometry: str, precision: str, lanes: int) -> 
     bodies = {name: body(name) for name in shapes_of(geometry)}
     if geometry in TWISTED:
         bodies |= {"squeeze": Body(4, 4, SQUEEZE), "cotangent": Body(1, 3, COTANGENT)}
-    files = sorted(f"shape/{name}.h" for name in shapes_of(geometry))
+    files = sorted(shape_parts(geometry, shapes_of(geometry)))
     parts = (*geometry_parts(geometry), "scene_types.h", *files)
     return SmallKernels(device, parts, bodies, precision, lanes)
 

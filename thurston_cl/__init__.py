@@ -10,6 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from thurston_cl import special
     from thurston_cl.errors import NoDeviceError, SceneError, ThurstonError
     from thurston_cl.geometry import Geometry
     from thurston_cl.image import Image
@@ -28,7 +29,16 @@ _HOME = {
     "render": "rendering",
 }
 
-__all__ = ["Geometry", "Image", "NoDeviceError", "SceneError", "ThurstonError", "load_scene", "render"]
+__all__ = [
+    "Geometry",
+    "Image",
+    "NoDeviceError",
+    "SceneError",
+    "ThurstonError",
+    "load_scene",
+    "render",
+    "special",
+]
 
 
 def __getattr__(name: str) -> Any:
@@ -36,6 +46,8 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("thurston_cl")
+    if name == "special":
+        return importlib.import_module("thurston_cl.special")
     if name not in _HOME:
         raise AttributeError(f"module 'thurston_cl' has no attribute {name!r}")
     return getattr(importlib.import_module(f"thurston_cl.{_HOME[name]}"), name)

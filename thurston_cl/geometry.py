@@ -5,10 +5,12 @@ Points are 4-vectors of the geometry's model (paper sections 7.1-7.3): [x, y, z,
 unit sphere in s3 and on the sheet x^2 + y^2 + z^2 - w^2 = -1, w > 0 in h3, with the origin [0, 0, 0, 1]; in
 s2xe and h2xe (paper 8.1) [x, y, z] is on the unit sphere or on the sheet x^2 + y^2 - z^2 = -1, z > 0 and w on
 the line, with the origin [0, 0, 1, 0]. Nil (9) has [x, y, z, 1] in the rotation-invariant model; sl2 (10) has
-[x, y, z, w] with the same sheet over [x, y] and w along the fibre, and the origin [0, 0, 1, 0].
+[x, y, z, w] with the same sheet over [x, y] and w along the fibre, and the origin [0, 0, 1, 0]; sol (11) has
+[x, y, z, 1] with the metric e^(-2z) dx^2 + e^(2z) dy^2 + dz^2.
 Directions have three components: a unit vector in the frame at a point p that translation(p), left
-translation in nil and sl2 and else the transvection from the origin to p, carries from the origin. Lengths
-are in units of the geometry's curvature. Arrays are float64, first axis N, whatever the precision inside.
+translation in nil, sl2 and sol and else the transvection from the origin to p, carries from the origin.
+Lengths are in units of the geometry's curvature. Arrays are float64, first axis N, whatever the precision
+inside.
 """
 
 import warnings
@@ -19,19 +21,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from thurston_cl import device as devices
+from thurston_cl.arrays import Array, ArrayProgram, finite
 from thurston_cl.models import GEOMETRIES, HOMOGENEOUS, MODEL, ORIGIN, off_model
-from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, Source, build_widest, geometry_parts
+from thurston_cl.program import Source, geometry_parts
 
 if TYPE_CHECKING:
     from thurston_cl.device import Device
-
-Array = NDArray[np.float64]
 
 # How far an input may be off its model or its unit length: far above rounding, far below a mistake.
 MODEL_TOLERANCE = 1e-6
 
 # Coordinates whose squares still fit single precision: in h3 points up to a distance of 44.
 SINGLE_LIMIT = 1e19
+# Heights z in sol for which e^z and e^-z fit the precision.
+SOL_HEIGHT_LIMIT = {"single": 87.0, "double": 708.0}
 
 
 class Geometry:
@@ -53,22 +56,14 @@ class Geometry:
     ) -> None:
         if name not in GEOMETRIES:
             raise ValueError(f"unknown geometry {name!r}; expected one of: {', '.join(GEOMETRIES)}")
-        if precision not in ("single", "double"):
-            raise ValueError(f"unknown precision {precision!r}; expected 'single' or 'double'")
         if flow != "exact":
             raise ValueError(f"unknown flow {flow!r}; expected 'exact'")
         self.name = name
         self.precision = precision
-        self.device = devices.choose(device) if device is None or isinstance(device, str) else device
-        if precision == "double" and not self.device.info.fp64:
-            raise ValueError(
-                f"{self.device.info.name} has no double precision; use precision='single' or another device"
-            )
-        if lanes is not None and lanes not in LANE_WIDTHS:
-            raise ValueError(f"{lanes} lanes; expected one of: {', '.join(map(str, LANE_WIDTHS))}")
-        source = Source((*geometry_parts(name), "numerics.cl"))
-        width = lanes or self.device.info.lane_width(precision)
-        self._program, self.lanes = build_widest(self.device, source, precision, width)
+        source = Source((*geometry_parts(name), "arrays.h", "numerics.cl"))
+        self._program = ArrayProgram(source, precision, device, lanes)
+        self.device = self._program.device
+        self.lanes = self._program.lanes
 
     def flow(
         self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None = None
@@ -76,11 +71,11 @@ class Geometry:
         """Follow geodesics from `base` (N,4; default the origin) along `direction` (N,3) for the length
         `time` (N,).
 
-        Returns the points (N,4) and the directions of travel there (N,3). Paper 7.1-7.3, 9.1, 10.3, without
-        cases; math of the frame: `isotropic.h`, `product.h`, `nil.h`, `sl2.h`.
+        Returns the points (N,4) and the directions of travel there (N,3). Paper 7.1-7.3, 9.1, 10.3, 11.2,
+        without cases; math of the frame: `isotropic.h`, `product.h`, `nil.h`, `sl2.h`, `sol.h`.
         """
         u, t, b = self._rays(direction, time, base)
-        out = self._run("flow", [b, u, *self._with_tail(t)], 7)
+        out = self._run("flow", [b, u, *self._program.with_tail(t)], 7)
         beyond = int((~np.isfinite(out).all(axis=1)).sum())
         if beyond:
             warnings.warn(
@@ -105,7 +100,7 @@ class Geometry:
         (paper 7.4). In nil and sl2 frames are left-invariant, and it is the matrix Q of paper 9.2 and 10.3.
         """
         u, t, b = self._rays(direction, time, base)
-        return self._run("transport", [b, u, *self._with_tail(t)], 9).reshape(-1, 3, 3)
+        return self._run("transport", [b, u, *self._program.with_tail(t)], 9).reshape(-1, 3, 3)
 
     def distance(self, point: ArrayLike, base: ArrayLike | None = None) -> Array:
         """The exact distance (N,) of `point` (N,4) from `base` (N,4; default the origin)."""
@@ -141,7 +136,9 @@ class Geometry:
         turns to the base itself, turned in any way (here along z); in s2xe those over the same point of the
         sphere, with turns, and over antipodes, turned about the line (here over +x); in nil and sl2 those
         right above or below the base on its fibre, where two of each number of turns fuse to a circle,
-        turned about the fibre (here over +x). The fibre itself comes last there.
+        turned about the fibre (here over +x). The fibre itself comes last there. sol has one to points of the
+        hyperbolic planes through the base, and else those with up to eight whole periods, which are all that
+        are shorter than 35.5: in order, and complete as far as searches tell. No family is flagged there.
         RuntimeWarning where a solve ended at the bound of iterations.
         """
         if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1:
@@ -157,7 +154,7 @@ class Geometry:
         is its inverse (5.7).
         """
         u, t, _ = self._rays(direction, time, None)
-        return self._run("area_density", [u, *self._with_tail(t)], 1)[:, 0]
+        return self._run("area_density", [u, *self._program.with_tail(t)], 1)[:, 0]
 
     def translate(self, base: ArrayLike, point: ArrayLike) -> Array:
         """translation(base) applied to `point` (N,4): the isometry that carries the origin to `base`."""
@@ -192,7 +189,7 @@ class Geometry:
         self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None
     ) -> tuple[Array, Array, Array]:
         u = self._directions(direction)
-        t = _finite("time", time)
+        t = finite("time", time)
         if t.ndim > 1:
             raise ValueError(f"time has shape {t.shape}; expected (N,) or a number")
         b = self._points("base", ORIGIN[self.name] if base is None else base)
@@ -204,14 +201,7 @@ class Geometry:
         b = self._points("base", ORIGIN[self.name] if base is None else base)
         b, p = _together(b, p)
         # The difference of nearby points is exact only with their tails.
-        return [b, p, self._tail(b), self._tail(p)]
-
-    def _tail(self, values: Array) -> Array:
-        """What the precision inside cuts off `values`."""
-        return values - values.astype(self._dtype)
-
-    def _with_tail(self, time: Array) -> list[Array]:
-        return [time[:, None], self._tail(time)[:, None]]
+        return [b, p, self._program.tail(b), self._program.tail(p)]
 
     def _directions(self, direction: ArrayLike) -> Array:
         u = _rows("direction", direction, 3)
@@ -230,6 +220,10 @@ class Geometry:
         if self.precision == "single" and np.abs(p).max() > SINGLE_LIMIT:
             worst = int(np.abs(p).max(axis=1).argmax())
             raise ValueError(f"{what} {worst} is too far away for single precision; use precision='double'")
+        if self.name == "sol" and np.abs(p[:, 2]).max() > SOL_HEIGHT_LIMIT[self.precision]:
+            worst = int(np.abs(p[:, 2]).argmax())
+            cure = "; use precision='double'" if self.precision == "single" else ""
+            raise ValueError(f"{what} {worst} is too far away for {self.precision} precision{cure}")
         defect = np.abs(off_model(self.name, *p.T))
         if defect.max() > MODEL_TOLERANCE:
             worst = int(defect.argmax())
@@ -239,32 +233,9 @@ class Geometry:
             )
         return p
 
-    @property
-    def _dtype(self) -> type[np.floating]:
-        return np.float64 if self.precision == "double" else np.float32
-
     def _run(self, name: str, arrays: Sequence[Array], outputs: int, *constants: int) -> Array:
         """Run a kernel of numerics.cl over the concatenated components of `arrays`; returns (N, outputs)."""
-        import pyopencl as cl
-
-        count = arrays[0].shape[0]
-        packet = self.lanes * LOCAL_SIZE
-        stride = max(1, -(-count // packet)) * packet
-        dtype = self._dtype
-        rows = np.concatenate(arrays, axis=1).T
-        # Padding repeats a valid item: a lane that computes nonsense may be slow (denormals, NaN).
-        data = np.empty((rows.shape[0], stride), dtype)
-        data[:, :count] = rows
-        data[:, count:] = rows[:, :1] if count else 0
-        flags = cl.mem_flags
-        source = cl.Buffer(self.device.context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=data)
-        result = np.empty((outputs, stride), dtype)
-        target = cl.Buffer(self.device.context, flags.WRITE_ONLY, result.nbytes)
-        kernel = cl.Kernel(self._program, f"numerics_{name}")
-        kernel.set_args(source, target, np.int32(stride), *(np.int32(c) for c in constants))
-        cl.enqueue_nd_range_kernel(self.device.queue, kernel, (stride // self.lanes,), (LOCAL_SIZE,))
-        cl.enqueue_copy(self.device.queue, result, target)
-        return result[:, :count].T.astype(np.float64)
+        return self._program.run(f"numerics_{name}", arrays, outputs, *constants)
 
 
 def for_few_points(name: str, device: "Device | None" = None) -> Geometry:
@@ -286,16 +257,8 @@ def _warn_unsolved(what: str, reached_bound: Array) -> None:
         )
 
 
-def _finite(what: str, values: ArrayLike) -> Array:
-    array = np.asarray(values, dtype=np.float64)
-    if not np.isfinite(array).all():
-        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise ValueError(f"{what}{list(index)} is {array[index]}; expected a finite number")
-    return array
-
-
 def _rows(what: str, values: ArrayLike, width: int) -> Array:
-    array = _finite(what, values)
+    array = finite(what, values)
     if array.ndim == 1:
         array = array[None, :]
     if array.ndim != 2 or array.shape[1] != width:

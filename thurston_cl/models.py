@@ -13,15 +13,17 @@ ISOTROPIC = ("e3", "s3", "h3")
 PRODUCTS = ("s2xe", "h2xe")
 TWISTED = ("nil", "sl2")
 FIBRED = PRODUCTS + TWISTED
-GEOMETRIES = ISOTROPIC + FIBRED
+GEOMETRIES = (*ISOTROPIC, *FIBRED, "sol")
+# Groups with a left-invariant metric: frames are carried by left translation.
+LEFT_INVARIANT = (*TWISTED, "sol")
 
 # Homogeneous coordinates, on which isometries are matrices: a fifth one, 1, where the fourth is not linear.
-HOMOGENEOUS = dict.fromkeys(("e3", "s3", "h3", "nil"), 4) | dict.fromkeys(("s2xe", "h2xe", "sl2"), 5)
+HOMOGENEOUS = dict.fromkeys(("e3", "s3", "h3", "nil", "sol"), 4) | dict.fromkeys(("s2xe", "h2xe", "sl2"), 5)
 ORIGIN = {name: (0.0, 0.0, 0.0, 1.0) if n == 4 else (0.0, 0.0, 1.0, 0.0) for name, n in HOMOGENEOUS.items()}
 # The coordinate along the fibre.
 FIBRE = {"s2xe": 3, "h2xe": 3, "nil": 2, "sl2": 3}
 
-# The equation of each model (paper, 7.1-7.3, 8.1, 9.2, 10.1).
+# The equation of each model (paper, 7.1-7.3, 8.1, 9.2, 10.1, 11.1).
 MODEL = {
     "e3": "w = 1",
     "s3": "x^2 + y^2 + z^2 + w^2 = 1",
@@ -30,6 +32,7 @@ MODEL = {
     "h2xe": "z = sqrt(1 + x^2 + y^2)",
     "nil": "w = 1",
     "sl2": "z = sqrt(1 + x^2 + y^2)",
+    "sol": "w = 1",
 }
 
 
@@ -38,7 +41,7 @@ def off_model(geometry: str, x: Number, y: Number, z: Number, w: Number) -> Numb
     to its height, since both sides are large far out.
     """
     match geometry:
-        case "e3" | "nil":
+        case "e3" | "nil" | "sol":
             return w - 1.0
         case "s3":
             return x * x + y * y + z * z + w * w - 1.0

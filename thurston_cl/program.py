@@ -23,7 +23,13 @@ if TYPE_CHECKING:
 
 LANE_WIDTHS = (1, 4, 8, 16, 32, 64)
 LOCAL_SIZE = 16  # PoCL compiles a kernel once per local size, so there is only one
-_TWISTED_PARTS = ("special/two_part.h", "special/stumpff.h", "special/newton.h", "geometry/twisted.h")
+_LEFT_INVARIANT_PARTS = (
+    "special/two_part.h",
+    "special/newton.h",
+    "special/rise.h",
+    "geometry/left_invariant.h",
+)
+_TWISTED_PARTS = (*_LEFT_INVARIANT_PARTS, "special/stumpff.h", "geometry/twisted.h")
 # The kernel files of each geometry, after those that all have.
 _GEOMETRY_PARTS = {
     "e3": ("geometry/e3.h", "geometry/isotropic.h"),
@@ -47,6 +53,17 @@ _GEOMETRY_PARTS = {
     ),
     "nil": (*_TWISTED_PARTS, "geometry/nil.h"),
     "sl2": (*_TWISTED_PARTS, "geometry/sl2.h"),
+    "sol": (
+        *_LEFT_INVARIANT_PARTS,
+        "special/jacobi.h",
+        "special/carlson.h",
+        "geometry/sol.h",
+        "geometry/sol_phase.h",
+        "geometry/sol_flow.h",
+        "geometry/sol_bounds.h",
+        "geometry/sol_geodesics.h",
+        "geometry/sol_light.h",
+    ),
 }
 
 

@@ -10,7 +10,7 @@
 //   direction                          float 7 EPSILON w: meaningless beyond r = 12   double 5e-15 to r = 15
 #define CURVATURE -1
 FN real curved_sine(real t, real *cosine) { return sinh_cosh(t, cosine); }
-FN real arc_of_sine(real s) { return copysign(area_sinh(fabs(s)), s); }
+FN real arc_of_sine(real s) { return area_sinh_odd(s); }
 FN real inverse_one_plus_w(point p) { return REAL(1) / (REAL(1) + p.w); }
 FN real inner(point p, vector a, vector b) { return fma(-a.w, b.w, dot_3(first_3(a), first_3(b))); }
 

@@ -136,7 +136,7 @@ FN real solve_height(interval i, real half_rho, real rest, real target, real sta
 }
 
 // The index-th shortest geodesic from 0 to (x, y, z + z_low).
-FN connection connect(real x, real y, real z, real z_low, int index)
+SOLVER connection connect(real x, real y, real z, real z_low, int index)
 {
   mask down = z < REAL(0);
   z_low = SELECT(down, -z_low, z_low);

@@ -238,7 +238,7 @@ FN real solve_height(interval i, real sg, real rest, real target, real start, ma
 }
 
 // The index-th shortest geodesic from o to the point over (x, y), with sg = sinh(rho/2), at w + w_low.
-FN connection connect(real x, real y, real sg, real w, real w_low, int index)
+SOLVER connection connect(real x, real y, real sg, real w, real w_low, int index)
 {
   mask down = w < REAL(0);
   w_low = SELECT(down, -w_low, w_low);

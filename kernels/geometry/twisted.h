@@ -1,5 +1,4 @@
-// twisted.h - what nil and sl2 share: the list of geodesics from the origin o to a point, the frames they are given in, and how
-// rays come to walls over the plane and to levels of the fibre.
+// twisted.h - what nil and sl2 share: the list of geodesics from the origin o to a point, and how rays come to walls over the plane.
 //
 // Both fibre over a plane, with rotations about the fibre through o. Geodesics from o to a point at distance rho from that
 // fibre and height h >= 0 along it are the roots of an equation H(x) = h, in nil for half the angle x that the geodesic turns
@@ -214,42 +213,7 @@ FN real sin_cos_of_sum(real angle, real low, real *cosine)
   return fma(c, low, s);
 }
 
-// Frames are carried by left translation everywhere, so a translation does not turn them.
-FN direction turn_frame(point base, point reached, direction u) { return u; }
-
-// Vectors and covectors are components in the left-invariant frame, which left translations keep.
-FN vector push(point p, direction u) { return with_w(u, REAL(0)); }
-FN direction pull(point p, vector v) { return first_3(v); }
-FN direction pull_covector(point p, covector g) { return first_3(g); }
-FN real inner(point p, vector a, vector b) { return dot_3(first_3(a), first_3(b)); }
-
-// The distance has to be solved for; walls are crossed on circles, whose turning counts.
-#define COSTLY_DISTANCE
-#define WALL_TURNING
-
-// What nil.h and sl2.h give.
-FN point translate(point p, point q);
-FN point exponential(direction *u, real t, real tail);
-FN connection connect_points(point p, point q, point p_tail, point q_tail, int index);
 FN vector velocity(point p, direction u);
-
-FN real distance_between(point p, point q, point p_tail, point q_tail, mask *unsolved)
-{
-  connection shortest = connect_points(p, q, p_tail, q_tail, 0);
-  *unsolved = shortest.unsolved;
-  return shortest.length;
-}
-
-// The geodesic flow: p and the unit vector v at p move on by the arc length t.
-FN void flow(point *p, vector *v, real t)
-{
-  direction u = first_3(*v);
-  point reached = exponential(&u, t, REAL(0));
-  *p = translate(*p, reached);
-  *v = with_w(u, REAL(0));
-}
-
-FN vector unit_speed(vector v) { return scale_4(v, unit_correction(dot_3(first_3(v), first_3(v)))); }
 
 FN vector wall_velocity(point p, vector v) { return velocity(p, first_3(v)); }
 
@@ -269,31 +233,4 @@ FN real half_angle_time(real ratio, real k_square)
   real k = sqrt(fabs(k_square));
   real t = SELECT(circular, circular_meeting(ratio, k), hyperbolic_meeting(ratio, k));
   return SELECT(ratio > REAL(-INFINITY), REAL(2) * t, REAL(INFINITY));
-}
-
-// The least t > 0 with f t + f_1 t^2/2 = h > 0, or never.
-FN real parabola_time(real f, real f_1, real h)
-{
-  mask bounded = h < REAL(INFINITY);
-  real rise = REAL(2) * SELECT(bounded, h, REAL(0)), square = fma(f, f, rise * f_1), root = sqrt(fmax(square, REAL(0)));
-  mask falls = f < REAL(0), never = NOT(bounded) | (square < REAL(0)) | (falls & NOT(f_1 > REAL(0)));
-  // Without division by h, which may be too small to be divided by.
-  return SELECT(never, REAL(INFINITY), SELECT(falls, root - f, rise) / SELECT(falls, f_1, f + root));
-}
-
-// How far a second bound looks, in units of the first: it gains most where that one is 2/3 of the truth, as near a turning point.
-#define LOOK_AHEAD C(1.5)
-// A lower bound of the time until a coordinate has risen by h > 0, from its rate f, the rate f_1 of that, and the most that f_1 and
-// its rate become later: f_1 <= bend; and f_1 + jerk t, by which the height at t <= T is at most f t + (f_1 + jerk T/3) t^2/2.
-FN real rise_time(real f, real f_1, real bend, real jerk, real h)
-{
-  real near = parabola_time(f, bend, h), ahead = REAL(LOOK_AHEAD) * near;
-  real later = parabola_time(f, fmin(bend, fma(jerk * REAL(C(0.3333333333333333)), ahead, f_1)), h);
-  return fmax(near, fmin(ahead, later));
-}
-
-// Up or down, whichever comes first.
-FN real level_time_bound(real f, real f_1, real bend, real jerk, real above, real below)
-{
-  return fmin(rise_time(f, f_1, bend, jerk, above), rise_time(-f, -f_1, bend, jerk, below));
 }

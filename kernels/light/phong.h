@@ -14,6 +14,8 @@ FN real3_lanes phong_ambient(shading s) { return scale_3(s.m.color, s.m.ambient)
 
 FN real3_lanes phong(shading s, arrival a, real3_lanes light_color)
 {
+  // Light that does not count may come from nowhere.
+  a.from = select_3(a.lit, a.from, s.normal);
   real facing = dot_3(s.normal, a.from);
   direction mirrored = add_scaled_3(scale_3(s.normal, REAL(2) * facing), a.from, REAL(-1));
   real glance = dot_3(mirrored, s.viewer);

@@ -1,5 +1,5 @@
 // ball_set.h - the union of `count` balls of one radius; centres stand in the scene's numbers, 4 each. Needs ball.h.
-// Surface coordinates, those of the nearest ball, in nil and sl2 only.
+// Surface coordinates, those of the nearest ball, where the distance is costly or points have five coordinates.
 #if defined(COSTLY_DISTANCE) || HOMOGENEOUS == 5
 // The point as the ball about this centre sees it.
 FN point from_centre(point p, scene_data scene, int centre) { return untranslate(four_numbers(scene, centre), p); }

@@ -36,6 +36,6 @@ FN surface cylinder_surface(point q, real radius)
   real along = axis_length(q.z, fma(q.x, q.x, q.y * q.y), q.w);
 #endif
   surface s = {cylinder_distance(q, radius), gradient_of(q, gradient),
-               fma(arc_tangent_2(q.y, q.x), REAL(C(0.15915494309189535)), REAL(C(0.5))), along};
+               turns(q.y, q.x), along};
   return s;
 }

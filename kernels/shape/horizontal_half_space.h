@@ -15,7 +15,7 @@ FN surface horizontal_half_space_surface(point q)
   covector up = {REAL(0), REAL(0), REAL(0), REAL(1)};
 #ifdef COSTLY_DISTANCE
   real sine = q.y * rsqrt(fma(q.x, q.x, REAL(1)));
-  real beside = copysign(area_sinh(fabs(q.x)), q.x), along = copysign(area_sinh(fabs(sine)), sine);
+  real beside = area_sinh_odd(q.x), along = area_sinh_odd(sine);
 #else
   real beside = arc_of_sine(q.x), along = axis_length(q.y, q.x * q.x, q.z);
 #endif

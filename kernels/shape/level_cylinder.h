@@ -26,7 +26,7 @@ FN surface level_cylinder_surface(point q, real radius)
   // Half the gradient of the squared distance, times the cosine.
   covector gradient = {REAL(0), beside, REAL(0), q.w * cosine};
   surface s = {hypotenuse(beside, q.w) - radius, gradient,
-               fma(arc_tangent_2(q.w, beside), REAL(C(0.15915494309189535)), REAL(C(0.5))),
+               turns(q.w, beside),
                axis_length(q.x, q.y * q.y, q.z)};
   return s;
 }

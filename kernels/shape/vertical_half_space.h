@@ -7,7 +7,7 @@ FN real vertical_half_space_distance(point q)
 #if defined(COSTLY_DISTANCE) && HOMOGENEOUS == 4
   return q.x;
 #elif defined(COSTLY_DISTANCE)
-  return copysign(area_sinh(fabs(q.x)), q.x);
+  return area_sinh_odd(q.x);
 #elif CURVATURE == 1
   // The sine says little near the poles, a quarter turn away.
   return arc_tangent_2(q.x, sqrt(fma(q.y, q.y, q.z * q.z)));
@@ -21,7 +21,7 @@ FN surface vertical_half_space_surface(point q)
 #if defined(COSTLY_DISTANCE) && HOMOGENEOUS == 4
   real along = q.y, up = q.z;
 #elif defined(COSTLY_DISTANCE)
-  real sine = q.y * rsqrt(fma(q.x, q.x, REAL(1))), along = copysign(area_sinh(fabs(sine)), sine), up = q.w;
+  real sine = q.y * rsqrt(fma(q.x, q.x, REAL(1))), along = area_sinh_odd(sine), up = q.w;
 #else
   real along = axis_length(q.y, q.x * q.x, q.z), up = q.w;
 #endif

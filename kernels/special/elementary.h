@@ -9,6 +9,7 @@
 //   arc_tangent_2   all quadrants          2       1
 //   log_1p          x > -1/2               2       2       NaN, not inf, at inf
 //   area_sinh       x >= 0, finite         2       2       NaN, not inf, at inf
+//   area_sinh_odd   finite                 2       2       NaN, not inf, at inf
 //   area_cosh       x >= 2, to overflow    2       2       used only away from 1: elsewhere change the variable
 //   sinh_cosh       |t| <= 20              2       2
 #ifdef FP64
@@ -105,6 +106,9 @@ FN real area_sinh(real x)
   real t = REAL(1) / x;
   return log_1p(x + x / (t + sqrt(fma(t, t, REAL(1)))));
 }
+
+// asinh x for x of both signs.
+FN real area_sinh_odd(real x) { return copysign(area_sinh(fabs(x)), x); }
 
 // acosh x for x >= 2; nearer to 1 the caller has a stable variable and uses area_sinh.
 FN real area_cosh(real x)

@@ -1,17 +1,17 @@
-"""Discrete groups, fundamental domains and named manifolds of seven geometries: all but sol.
+"""Discrete groups, fundamental domains and named manifolds of the eight geometries.
 
     lattice = named("h3", "seifert-weber")
     inside, elements, ok = lattice.teleport(points)
 
 Names are listed by `names(geometry)`; the docstrings of `thurston_cl.lattice.e3`, `.s3`, `.h3`, `.s2xe`,
-`.h2xe`, `.nil`, `.sl2` define them.
+`.h2xe`, `.nil`, `.sl2`, `.sol` define them.
 """
 
 import difflib
 import unicodedata
 from functools import cache
 
-from thurston_cl.lattice import e3, h2xe, h3, nil, s2xe, s3, sl2
+from thurston_cl.lattice import e3, h2xe, h3, nil, s2xe, s3, sl2, sol
 from thurston_cl.lattice.cycles import EdgeCycle, edge_cycles, presentation
 from thurston_cl.lattice.dirichlet import dirichlet
 from thurston_cl.lattice.domain import Lattice, edges, vertices
@@ -20,6 +20,7 @@ from thurston_cl.lattice.given import from_matrices
 from thurston_cl.lattice.isometry import check_geometry, inverse
 from thurston_cl.lattice.orbit import cell_table, elements, neighbours, paths
 from thurston_cl.lattice.polyhedron import Edge, Vertex
+from thurston_cl.lattice.sol import torus_bundle
 
 __all__ = [
     "Edge",
@@ -39,10 +40,11 @@ __all__ = [
     "neighbours",
     "paths",
     "presentation",
+    "torus_bundle",
     "vertices",
 ]
 
-_MODULES = {"e3": e3, "s3": s3, "h3": h3, "s2xe": s2xe, "h2xe": h2xe, "nil": nil, "sl2": sl2}
+_MODULES = {"e3": e3, "s3": s3, "h3": h3, "s2xe": s2xe, "h2xe": h2xe, "nil": nil, "sl2": sl2, "sol": sol}
 _MANIFOLDS = {geometry: module.MANIFOLDS for geometry, module in _MODULES.items()}
 _ALIASES = {geometry: module.ALIASES for geometry, module in _MODULES.items()}
 

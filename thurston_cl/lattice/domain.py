@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,6 +43,8 @@ class Lattice(ABC):
     maps: Array
     description: str = ""
     source: str = ""
+    # Whether points are led back over levels before they are over the other walls; else only after that.
+    levels_first: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         for field in ("walls", "maps"):
@@ -73,7 +75,7 @@ class Lattice(ABC):
     @property
     @abstractmethod
     def level_walls(self) -> tuple[int, ...]:
-        """Indices of the walls at a value of the fibre coordinate, behind all the others."""
+        """Indices of the walls at a value of the fibre coordinate, in sol of z, behind all the others."""
 
     @property
     def has_sides(self) -> bool:
@@ -115,27 +117,33 @@ class Lattice(ABC):
         """Lead points (N,4) of the model back into the domain.
 
         Again and again, the wall that a point is farthest behind is crossed back; levels only where all other
-        walls have the point inside. Returns the points (N,4), the group elements (N,n,n) that were applied,
-        and whether the point came to rest (N,): not so after `max_steps` walls, and for points that are not
-        finite.
+        walls have the point inside, or these only where the levels do (`levels_first`). Returns the points
+        (N,4), the group elements (N,n,n) that were applied, and whether the point came to rest (N,): not so
+        after `max_steps` steps, and for points that are not finite.
         """
         p = np.array(points, dtype=np.float64)
         elements = np.tile(identity(self.geometry), (len(p), 1, 1))
         moving = np.arange(len(p))
-        level = np.zeros(len(self.walls), dtype=bool)
-        level[list(self.level_walls)] = True
+        first = np.zeros(len(self.walls), dtype=bool)
+        first[list(self.level_walls)] = True
+        if not self.levels_first:
+            first = ~first
         for _ in range(max_steps):
             heights = self.heights(p[moving])
-            aside = np.any(heights[:, ~level] > SLACK, axis=1)
-            heights[np.ix_(aside, level)] = -np.inf
+            early = np.any(heights[:, first] > SLACK, axis=1)
+            heights[np.ix_(early, ~first)] = -np.inf
             outside = np.max(heights, axis=1) > SLACK
-            moving = moving[outside]
+            moving, heights = moving[outside], heights[outside]
             if len(moving) == 0:
                 break
-            steps = self.maps[np.argmax(heights[outside], axis=1)]
+            steps = self._steps_back(np.argmax(heights, axis=1), np.max(heights, axis=1))
             p[moving] = act(self.geometry, steps, p[moving])
             elements[moving] = compose(self.geometry, steps, elements[moving])
         return p, elements, self.contains(p, SLACK)
+
+    def _steps_back(self, walls: NDArray[np.intp], heights: Array) -> Array:
+        """The elements (N,n,n) that lead points back over walls (N,) which they are `heights` (N,) behind."""
+        return self.maps[walls]
 
 
 def vertices(lattice: Lattice) -> list[Vertex]:

@@ -6,8 +6,8 @@ from thurston_cl.errors import ThurstonError
 class LatticeError(ThurstonError, ValueError):
     """A lattice is unknown or wrong.
 
-    `what` is "generators", "domain" or "name", and `index` says which generator or half-space (None: all of
-    them), so that a scene loader can point at the line.
+    `what` is "generators", "domain", "monodromy" or "name", and `index` says which generator, half-space or
+    row (None: all of them), so that a scene loader can point at the line.
     """
 
     exit_code = 65

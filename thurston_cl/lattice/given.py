@@ -9,10 +9,11 @@ from thurston_cl.lattice.domain import Lattice
 from thurston_cl.lattice.error import LatticeError
 from thurston_cl.lattice.forms import ORIGIN, Array, unit_wall
 from thurston_cl.lattice.given_prism import prism_from
+from thurston_cl.lattice.given_suspension import suspension_from
 from thurston_cl.lattice.isometry import check_geometry, inverse, on_model, snap, tidy
-from thurston_cl.lattice.polygon import BASE
 from thurston_cl.lattice.polyhedral import Polyhedral, pairing_defects
 from thurston_cl.lattice.polyhedron import Polyhedron
+from thurston_cl.models import FIBRED
 
 # A trial whether the domain's images overlap: so many points of it, moved by all words of so many generators.
 # Shorter words miss rotations that fit a face but not its corners; longer ones cost seconds.
@@ -29,7 +30,8 @@ def from_matrices(
     `thurston_cl.lattice.isometry`); `half_spaces` is (F,n), covectors of any positive scale. The origin must
     be inside. The inverse of every generator must be there too, and a generator must carry the plane of its
     half-space to that of its inverse, with the sides exchanged; see `Prism` for what walls and generators of
-    fibred geometries are, where that is asked of the base and of the fibre over o. Numbers may be off by
+    fibred geometries are, where that is asked of the base and of the fibre over o, and `Suspension` for those
+    of sol. Numbers may be off by
     `tolerance`, relative to the largest; generators and planes are then corrected to rounding. A gluing whose
     angles around an edge do not add up to 2 pi/k is allowed (a cone manifold, paper 4.3): see `edge_cycles`.
     So is one whose faces meet like bricks, if the images of the domain do not overlap.
@@ -41,8 +43,10 @@ def from_matrices(
     maps, walls = given_numbers(geometry, generators, half_spaces)
     for f, m in enumerate(maps):
         check_isometry(geometry, m, f, tolerance)
-    if geometry in BASE:
+    if geometry in FIBRED:
         return prism_from(geometry, maps, walls, tolerance, name)
+    if geometry == "sol":
+        return suspension_from(maps, walls, tolerance, name)
     for f, n in enumerate(walls):
         walls[f] = _unit_half_space(geometry, n, f)
 

@@ -2,22 +2,20 @@
 
 import numpy as np
 
-from thurston_cl.lattice.checks import INSIDE, OVERLAP, blame
+from thurston_cl.lattice.checks import OVERLAP, blame
 from thurston_cl.lattice.error import LatticeError
-from thurston_cl.lattice.forms import Array, unit_wall
+from thurston_cl.lattice.forms import Array
+from thurston_cl.lattice.given_upright import check_bounding, pair_up, upright_walls
 from thurston_cl.lattice.isometry import (
     SAME_DIGITS,
     act,
     compose,
     fibre,
     identity,
-    inverse,
     on_model,
     origin,
-    snap,
     tidy,
 )
-from thurston_cl.lattice.polygon import BASE, Polygon, lower
 from thurston_cl.lattice.prism import Prism, base_radius
 from thurston_cl.lattice.radius import greatest_climb
 
@@ -29,60 +27,17 @@ TRIAL_ELEMENTS = 2000
 
 def prism_from(geometry: str, maps: Array, walls: Array, tolerance: float, name: str) -> Prism:
     """The prism with these isometries (F,n,n) and half-spaces (F,n): see `from_matrices`."""
-    axis = fibre(geometry)
-    walls = np.array([_unit(geometry, n, f, tolerance) for f, n in enumerate(walls)])
-    levels = [f for f in range(len(walls)) if walls[f, axis] != 0]
-    sides = [f for f in range(len(walls)) if walls[f, axis] == 0]
+    walls = upright_walls(geometry, walls, tolerance)
     maps = np.array([tidy(geometry, m, tolerance) for m in maps])
+    levels = np.flatnonzero(walls[:, fibre(geometry)])
     for f in levels:
-        _check_level(geometry, maps[f], f, tolerance)
-    partner = [_partner(geometry, walls, maps, f, tolerance) for f in range(len(walls))]
-    for f, g in enumerate(partner):
-        if partner[g] != f:
-            raise blame("generators", f, f"is the same as number {partner[g] + 1}; leave one of them out")
-        # Repair what the tolerance let pass. Maps of sides may be inverses but for a shift along the fibre.
-        if f < g:
-            walls[g] = snap(_carried(geometry, walls[f], maps[f]))
-            if _off_identity(geometry, compose(geometry, maps[g], maps[f])) < OVERLAP:
-                maps[g] = snap(inverse(geometry, maps[f]))
-    _check_bounding(geometry, walls, sides, levels)
-    order = [*sides, *levels]
+        _check_level(geometry, maps[f], int(f), tolerance)
+    pair_up(geometry, walls, maps, tolerance)
+    check_bounding(geometry, walls)
+    order = [*np.delete(np.arange(len(walls)), levels), *levels]
     prism = Prism(name, geometry, walls[order], maps[order], "given by generators and half-spaces")
     _check_tiling(prism)
     return prism
-
-
-def _unit(geometry: str, n: Array, f: int, tolerance: float) -> Array:
-    """Half-space f, n (n,), scaled; LatticeError where it is neither a side nor a level, or o is outside."""
-    axis, base = fibre(geometry), _base_entries(geometry)
-    small = np.abs(n) <= tolerance * np.max(np.abs(n))
-    wall = np.where(small, 0.0, n)
-    level = not small[axis]
-    own = {axis, len(n) - 1} if level else set(base)
-    if small.all() or not all(small[k] for k in range(len(n)) if k not in own):
-        forms = (
-            ("[a, b, 0, d]", "[0, 0, c, d]") if geometry == "nil" else ("[a, b, c, 0, 0]", "[0, 0, 0, d, e]")
-        )
-        text = f"is neither a side {forms[0]} over the base nor a level {forms[1]} of the fiber"
-        raise blame("domain", f, f"{text}; walls cannot lean in {geometry}")
-    if level:
-        wall = snap(wall / abs(wall[axis]))
-    else:
-        try:
-            wall[base] = unit_wall(BASE[geometry], np.insert(wall[base], 2, 0.0))[[0, 1, 3]]
-        except ValueError:
-            cure = "a^2 + b^2 must exceed c^2" if geometry in ("h2xe", "sl2") else "a, b must not both be 0"
-            raise blame("domain", f, f"has no boundary plane; {cure}") from None
-        wall = snap(wall)
-    constant = len(n) - 1 if level else base[2]
-    if wall[constant] >= -INSIDE:
-        raise blame(
-            "domain",
-            f,
-            f"does not have the origin inside: {'abcde'[constant]} must be negative; "
-            "change all signs if the other side is meant",
-        )
-    return wall
 
 
 def _check_level(geometry: str, m: Array, f: int, tolerance: float) -> None:
@@ -97,88 +52,6 @@ def _check_level(geometry: str, m: Array, f: int, tolerance: float) -> None:
             f"leads back over a level but moves the fiber over the origin by {moved:.2g}; "
             "compose it with generators of the sides until it shifts along that fiber",
         )
-
-
-def _carried(geometry: str, wall: Array, m: Array) -> Array:
-    """The wall (n,) carried by a generator m (n,n), with the sides exchanged."""
-    axis = fibre(geometry)
-    if wall[axis] == 0:
-        # A covector of the base, on the block of the matrix that moves the base.
-        at = _base_entries(geometry)
-        back = inverse(geometry, m)[np.ix_(at, at)]
-        carried = np.zeros_like(wall)
-        carried[at] = -wall[at] @ back
-        return carried
-    point = origin(geometry)
-    point[axis] = -wall[-1] * wall[axis]
-    carried = np.zeros_like(wall)
-    carried[axis] = -wall[axis] * m[axis, axis]
-    carried[-1] = -carried[axis] * act(geometry, m, point)[axis]
-    return carried
-
-
-def _partner(geometry: str, walls: Array, maps: Array, f: int, tolerance: float) -> int:
-    """The wall that maps[f] carries wall f to and whose map is its inverse, or LatticeError."""
-    size = max(1.0, float(np.max(np.abs(maps[f]))))
-    # Entries off by the tolerance spoil products by this much.
-    allowed = 10.0 * tolerance * size * size
-    products = compose(geometry, maps, maps[f])
-    if walls[f, fibre(geometry)] == 0:
-        # A side's map has its inverse on the base.
-        at = _base_entries(geometry)
-        off = [float(np.max(np.abs(m[np.ix_(at, at)] - np.eye(3)))) for m in products]
-    else:
-        off = [_off_identity(geometry, m) for m in products]
-    inverses = np.flatnonzero(np.array(off) < allowed)
-    if len(inverses) == 0:
-        raise blame(
-            "generators",
-            f,
-            "has no inverse among the generators; add it, with the half-space whose points it leads back",
-        )
-    defects = np.max(np.abs(walls - _carried(geometry, walls[f], maps[f])), axis=1)
-    best = int(inverses[np.argmin(defects[inverses])])
-    if defects[best] < allowed:
-        return best
-    if np.max(np.abs(walls[best] - _carried(geometry, walls[f], inverse(geometry, maps[f])))) < allowed:
-        raise blame(
-            "generators",
-            f,
-            "moves the wrong way: it must lead back the points outside its half-space; "
-            "exchange it with its inverse",
-        )
-    raise blame(
-        "domain",
-        f,
-        f"does not fit its generator, which should carry its plane to that of half-space {best + 1} "
-        f"and misses by {defects[best]:.2g}; correct one of the half-spaces or the generator",
-    )
-
-
-def _base_entries(geometry: str) -> list[int]:
-    """The homogeneous coordinates that are those of the base."""
-    return [0, 1, 3] if geometry == "nil" else [0, 1, 2]
-
-
-def _off_identity(geometry: str, m: Array) -> float:
-    return float(np.max(np.abs(m - identity(geometry))))
-
-
-def _check_bounding(geometry: str, walls: Array, sides: list[int], levels: list[int]) -> None:
-    """Each wall must bound the domain."""
-    polygon = Polygon(BASE[geometry], lower(geometry, walls[sides][:, :4]))
-    bounding = {sides[k] for k in polygon.bounding}
-    for sign in (1.0, -1.0):
-        stacked = [f for f in levels if walls[f, fibre(geometry)] == sign]
-        bounding |= {max(stacked, key=lambda f: float(walls[f, -1]))} if stacked else set()
-    for f in range(len(walls)):
-        if f not in bounding:
-            raise blame(
-                "domain",
-                f,
-                "does not bound the domain, for the others already imply it; "
-                "leave it out with its generator, or correct its numbers",
-            )
 
 
 def _check_tiling(prism: Prism) -> None:

@@ -1,11 +1,12 @@
-"""Isometries of the seven geometries that have lattices here, as matrices on homogeneous columns.
+"""Isometries of the eight geometries, as matrices on homogeneous columns.
 
-Points are 4-vectors [x,y,z,w] of the models (paper Table 1). In e3, s3, h3 and nil isometries are linear on
-them: (4,4) matrices. In s2xe, h2xe and sl2 they are (5,5) matrices on [x,y,z,w,1]: rows x, y, z hold the
+Points are 4-vectors [x,y,z,w] of the models (paper Table 1). In e3, s3, h3, nil and sol isometries are linear
+on them: (4,4) matrices. In s2xe, h2xe and sl2 they are (5,5) matrices on [x,y,z,w,1]: rows x, y, z hold the
 isometry A (3,3) of the base S2 or H2, row w is (0,0,0,sense,shift) with sense +-1. That is all of a product's
 isometry; in sl2 the fibre coordinate gains more than that (`act`), so that matrix products do not compose.
 An isometry of sl2 is determined by its matrix all the same, since shift is where it takes o along the fibre.
-Paper 7, 8.1, 9.1, 10.1; the isometries of nil and sl2 are L_p (R_a or a flip), both orientation preserving.
+Paper 7, 8.1, 9.1, 10.1, 11.1; the isometries of nil and sl2 are L_p (R_a or a flip), both orientation
+preserving; those of sol L_p K where K changes signs of x and y, and may exchange them while it negates z.
 """
 
 import numpy as np
@@ -20,7 +21,7 @@ from thurston_cl.lattice.forms import (
     form_residual,
     keeps_sheet,
 )
-from thurston_cl.models import FIBRE, GEOMETRIES, HOMOGENEOUS, ORIGIN, TWISTED
+from thurston_cl.models import FIBRE, GEOMETRIES, HOMOGENEOUS, LEFT_INVARIANT, ORIGIN, TWISTED
 
 # Curvature of the base of a fibred geometry: S2, the plane, H2.
 BASE_CURVATURE = {"s2xe": 1, "h2xe": -1, "nil": 0, "sl2": -1}
@@ -48,8 +49,8 @@ def dimension(geometry: str) -> int:
 
 
 def fibre(geometry: str) -> int:
-    """Which coordinate of a point of a fibred geometry runs along the fibre."""
-    return FIBRE[geometry]
+    """Which coordinate of a point of a fibred geometry runs along the fibre; in sol z, across its planes."""
+    return 2 if geometry == "sol" else FIBRE[geometry]
 
 
 def origin(geometry: str) -> Array:
@@ -74,7 +75,7 @@ def on_model(geometry: str, points: ArrayLike) -> Array:
     check_geometry(geometry)
     p = np.array(points, dtype=np.float64)
     match geometry:
-        case "e3" | "nil":
+        case "e3" | "nil" | "sol":
             p[..., 3] = 1.0
         case "s3":
             p /= np.linalg.norm(p, axis=-1, keepdims=True)
@@ -137,6 +138,14 @@ def inverse(geometry: str, isometry: ArrayLike) -> Array:
         turn = np.swapaxes(m[..., :2, :2], -1, -2)
         q = -(turn @ m[..., :2, 3:])[..., 0]
         return _nil(turn, m[..., 2, 2], np.concatenate([q, (-m[..., 2, 2] * m[..., 2, 3])[..., None]], -1))
+    if geometry == "sol":
+        # The adjugate of the block of x, y, which has two zeros and the determinant +-1.
+        block, quarter = m[..., :2, :2], np.array([[0.0, -1.0], [1.0, 0.0]])
+        sign = np.sign(np.linalg.det(block))[..., None, None]
+        result[..., :2, :2] = sign * (quarter @ np.swapaxes(block, -1, -2) @ quarter.T)
+        result[..., 2, 2] = m[..., 2, 2]
+        result[..., :3, 3] = -(result[..., :3, :3] @ m[..., :3, 3:])[..., 0]
+        return result + 0.0
     transposed = np.swapaxes(m[..., :3, :3], -1, -2)
     result[..., :3, :3] = transposed
     result[..., :3, 3] = -(transposed @ m[..., :3, 3:])[..., 0]
@@ -154,6 +163,28 @@ def _nil(turn: Array, sense: ArrayLike, shift: Array) -> Array:
     m[..., :3, 3] = shift
     m[..., 3, 3] = 1.0
     return m + 0.0
+
+
+def _sol(signs: ArrayLike, sense: ArrayLike, shift: Array) -> Array:
+    """The isometry (...,4,4) of sol that maps x, y by `signs` (...,2,2), z by +-1 and then goes to `shift`
+    (...,3).
+    """
+    m = np.zeros((*shift.shape[:-1], 4, 4))
+    m[..., :2, :2] = np.exp(shift[..., 2, None] * [1.0, -1.0])[..., None] * signs
+    m[..., 2, 2] = sense
+    m[..., :3, 3] = shift
+    m[..., 3, 3] = 1.0
+    return m + 0.0
+
+
+def _sol_signs(m: Array) -> tuple[Array, Array]:
+    """What an isometry (...,4,4) of sol makes of x and y about o (...,2,2), and where it may have entries."""
+    with np.errstate(over="ignore"):
+        # Beyond what can be an exponent the matrix is none, and the product says so.
+        back = np.exp(np.clip(m[..., 2, 3, None], -700.0, 700.0) * [-1.0, 1.0])
+        signs = back[..., None] * m[..., :2, :2]
+    upright = m[..., 2, 2, None, None] > 0
+    return signs, np.where(upright, np.eye(2), np.eye(2)[::-1])
 
 
 def _base_form(geometry: str) -> Array:
@@ -203,6 +234,18 @@ def rules(geometry: str, isometry: ArrayLike) -> dict[str, float]:
                 "its third row must begin with (a d - b c)/2 for the entries c, d above and the last entries "
                 "a, b of the rows above": off(m[..., 2, :2] - right[..., 2, :2]) / scale,
             }
+        case "sol":
+            signs, places = _sol_signs(m)
+            return {
+                "its last row must be [0, 0, 0, 1]": off(m[..., 3, :] - [0.0, 0.0, 0.0, 1.0]),
+                "its third row must be [0, 0, e, c] with e = 1 or -1, its third column 0 above e": max(
+                    off(m[..., 2, :2]), off(m[..., :2, 2]), off(np.abs(m[..., 2, 2]) - 1.0)
+                ),
+                "its upper left 2x2 block must be [[+-exp(c), 0], [0, +-exp(-c)]] where its third row is "
+                "[0, 0, 1, c], and [[0, +-exp(c)], [+-exp(-c), 0]] where it is [0, 0, -1, c]": off(
+                    np.abs(signs) - places
+                ),
+            }
     zeros = np.ones((5, 5), dtype=bool)
     zeros[:3, :3] = False
     zeros[3, 3:] = False
@@ -232,11 +275,13 @@ def keeps_model(geometry: str, isometry: ArrayLike) -> bool:
     """
     if geometry in BASE_CURVATURE:
         return BASE_CURVATURE[geometry] >= 0 or bool(np.all(np.asarray(isometry)[..., 2, 2] > 0))
-    return keeps_sheet(geometry, isometry)
+    return geometry == "sol" or keeps_sheet(geometry, isometry)
 
 
 def polish(geometry: str, isometry: ArrayLike) -> Array:
-    """The isometry next to an almost-isometry (n,n), by Newton's iteration on its orthogonal block."""
+    """The isometry next to an almost-isometry (n,n), by Newton's iteration on its orthogonal block; in sol
+    that with the same signs that carries o to the same point.
+    """
     m = np.array(isometry, dtype=np.float64)
     # Quadratic convergence: from 1e-3 to rounding in three steps. A step too many adds rounding of its own.
     for _ in range(4):
@@ -251,6 +296,9 @@ def polish(geometry: str, isometry: ArrayLike) -> Array:
             case "nil":
                 turn = form_polish(np.ones(2), m[:2, :2])
                 m = _nil(turn, np.sign(np.linalg.det(turn)), m[:3, 3])
+            case "sol":
+                signs, places = _sol_signs(m)
+                m = _sol(np.sign(signs) * places, np.sign(m[2, 2]), m[:3, 3])
             case _:
                 sense, shift = np.sign(m[3, 3]), m[3, 4]
                 block = form_polish(_base_form(geometry), m[:3, :3])
@@ -281,12 +329,22 @@ def stabilizer(geometry: str, rotation: ArrayLike) -> Array:
     """The isometry (n,n) that fixes o and has the differential `rotation` (3,3), on directions of the frame.
 
     In e3, s3, h3 any orthogonal matrix will do. Fibred geometries must keep the fibre: rotations about it and
-    half-turns about horizontal axes, in s2xe and h2xe also reflections. Raises LatticeError otherwise.
+    half-turns about horizontal axes, in s2xe and h2xe also reflections. Sol keeps the axes x and y, up to
+    their exchange, which reverses z. Raises LatticeError otherwise.
     """
     r = np.array(rotation, dtype=np.float64)
     m = identity(geometry)
     if r.shape != (3, 3) or form_residual(np.ones(3), r) > OFF_ORTHOGONAL:
         raise LatticeError("a rotation must be an orthogonal 3x3 matrix", "generators")
+    if geometry == "sol":
+        turned = _sol(np.round(r[:2, :2]), np.round(r[2, 2]), np.zeros(3))
+        if np.max(np.abs(turned[:3, :3] - r)) > OFF_ORTHOGONAL or residual("sol", turned) > 0:
+            raise LatticeError(
+                "sol can only be turned by 180 deg about [0, 0, 1], [1, 1, 0] and [1, -1, 0], "
+                "and mirrored in x and in y",
+                "generators",
+            )
+        return turned
     if geometry not in BASE_CURVATURE:
         m[:3, :3] = r
         return m
@@ -307,14 +365,17 @@ def stabilizer(geometry: str, rotation: ArrayLike) -> Array:
 def vector_map(geometry: str, isometry: ArrayLike) -> Array:
     """The linear maps (...,4,4) that isometries (...,n,n) make of tangent vectors as kernels have them.
 
-    Ambient velocities in e3, s3, h3, s2xe, h2xe. In nil and sl2 the components in the left-invariant frame,
-    w = 0: left translations leave them alone, so only the turn about o is left.
+    Ambient velocities in e3, s3, h3, s2xe, h2xe. In nil, sl2 and sol the components in the left-invariant
+    frame, w = 0: left translations leave them alone, so only the turn about o is left.
     """
     check_geometry(geometry)
     m = np.asarray(isometry, dtype=np.float64)
-    if geometry not in TWISTED:
+    if geometry not in LEFT_INVARIANT:
         return np.array(m[..., :4, :4])
     k = np.zeros((*m.shape[:-2], 4, 4))
+    if geometry == "sol":
+        k[..., :2, :2], k[..., 2, 2] = np.sign(m[..., :2, :2]), m[..., 2, 2]
+        return k
     if geometry == "nil":
         k[..., :2, :2], k[..., 2, 2] = m[..., :2, :2], m[..., 2, 2]
         return k
@@ -329,10 +390,12 @@ def vector_map(geometry: str, isometry: ArrayLike) -> Array:
 
 
 def translation(geometry: str, point: ArrayLike) -> Array:
-    """The isometries (...,n,n) that carry o to points (...,4): left translation in nil and sl2, in s2xe and
-    h2xe the transvection of the base and the shift. Singular at the antipode of o on S2.
+    """The isometries (...,n,n) that carry o to points (...,4): left translation in nil, sl2 and sol, in s2xe
+    and h2xe the transvection of the base and the shift. Singular at the antipode of o on S2.
     """
     p = np.asarray(point, dtype=np.float64)
+    if geometry == "sol":
+        return _sol(np.eye(2), 1.0, p[..., :3])
     if geometry == "nil":
         return _nil(np.eye(2), 1.0, p[..., :3])
     if HOMOGENEOUS[geometry] == 4:

@@ -10,6 +10,8 @@ from thurston_cl.lattice.isometry import act, compose, identity, origin
 from thurston_cl.lattice.prism import Prism
 from thurston_cl.lattice.prism_orbit import TIE, columns, elements_within
 from thurston_cl.lattice.radius import farthest, orbit_radius
+from thurston_cl.lattice.suspension import Suspension
+from thurston_cl.lattice.suspension_orbit import suspension_elements_within, suspension_paths
 
 
 def neighbours(lattice: Lattice) -> Array:
@@ -26,9 +28,9 @@ def elements(lattice: Lattice, count: int | None = None, radius: float | None = 
 
     In a Dirichlet domain every element is reached over ever nearer ones: if gamma o is outside wall f,
     maps[f] leads it nearer. In another domain we search farther out, by the longest step, and may in theory
-    miss some. In a prism that is said of its polygon. In h3, and over the base in h2xe and sl2, none is
-    farther than FARTHEST (radius.py), so that there may be fewer. Raises ValueError without a bound where the
-    group may be infinite: everywhere but in s3.
+    miss some. In a prism that is said of its polygon. A suspension's are written down. In h3 and sol, and
+    over the base in h2xe and sl2, none is farther than FARTHEST (radius.py), so that there may be fewer.
+    Raises ValueError without a bound where the group may be infinite: everywhere but in s3.
     """
     if count is None and radius is None and lattice.geometry != "s3":
         raise ValueError(f"the group of '{lattice.name}' may be infinite: give count or radius")
@@ -37,6 +39,8 @@ def elements(lattice: Lattice, count: int | None = None, radius: float | None = 
     bound = np.inf if radius is None else float(radius)
     if isinstance(lattice, Prism):
         found = elements_within(lattice, np.inf if count is None else count, bound)
+    elif isinstance(lattice, Suspension):
+        found = suspension_elements_within(lattice, np.inf if count is None else count, bound)
     else:
         found = _around(lattice, count, min(bound, farthest(lattice.geometry)))
     return found[_order(lattice, found)][:count]
@@ -107,6 +111,8 @@ def paths(lattice: Lattice, wanted: Array) -> list[tuple[int, ...]]:
 
     A path (f, g, ...) belongs to the element inverse(maps[f]) inverse(maps[g]) ..., as in `cell_table`.
     """
+    if isinstance(lattice, Suspension):
+        return suspension_paths(lattice, wanted)
     goals = _points(lattice, wanted)
     found: dict[int, tuple[int, ...]] = {}
     level: list[tuple[Array, tuple[int, ...]]] = [(identity(lattice.geometry), ())]

@@ -1,4 +1,4 @@
-"""Convex polygons of S2, the plane and H2: the base of a prism.
+"""Convex polygons of S2, the plane and H2: the base of an upright domain.
 
 Base points are [x,y,z] on the unit sphere or the sheet z > 0 of x^2+y^2-z^2 = -1, and [x,y,1] in the plane.
 They are taken as the points [x,y,0,z] of s3, h3, e3, so that the formulas of these geometries hold.
@@ -11,24 +11,25 @@ import numpy as np
 
 from thurston_cl.lattice.forms import ORIGIN, Array, curvature, dot, form
 from thurston_cl.lattice.polyhedron import NULL, Key, Kind
+from thurston_cl.models import HOMOGENEOUS
 
-# The geometry whose formulas hold on the base of a fibred geometry.
-BASE = {"s2xe": "s3", "h2xe": "h3", "nil": "e3", "sl2": "h3"}
+# The geometry whose formulas hold on the base of a fibred geometry, and for the polygons of sol in x, y.
+BASE = {"s2xe": "s3", "h2xe": "h3", "nil": "e3", "sl2": "h3", "sol": "e3"}
 # How far a corner may be beyond the other walls, relative to its size: rounding of walls given to 1e-9.
 ON_WALL = 1e-7
 
 
 def lower(geometry: str, points: Array) -> Array:
-    """Base points [x,y,0,z] (...,4) under points (...,4) of a fibred geometry."""
+    """Base points [x,y,0,z] (...,4) under points (...,4) of a geometry with a base."""
     base = np.array(points, dtype=np.float64)
-    base[..., 2], base[..., 3] = 0.0, points[..., 3 if geometry == "nil" else 2]
+    base[..., 2], base[..., 3] = 0.0, points[..., 3 if HOMOGENEOUS[geometry] == 4 else 2]
     return base
 
 
 def lift(geometry: str, base: Array, level: float) -> Array:
-    """Points (...,4) over base points [x,y,0,z] (...,4) at a value of the fibre coordinate."""
+    """Points (...,4) over base points [x,y,0,z] (...,4) at a value of the upright coordinate."""
     points = np.array(base, dtype=np.float64)
-    if geometry == "nil":
+    if HOMOGENEOUS[geometry] == 4:
         points[..., 2] = level
     else:
         points[..., 2], points[..., 3] = base[..., 3], level

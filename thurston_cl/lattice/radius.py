@@ -5,23 +5,24 @@ from numpy.typing import ArrayLike
 
 from thurston_cl.lattice.forms import CURVATURE, Array
 
-# Hyperbolic coordinates grow like e^distance: beyond this they do not tell orbit points apart any more.
+# Hyperbolic coordinates, and the entries of isometries of sol, grow like e^distance: beyond this they do not
+# tell orbit points apart any more.
 FARTHEST = 25.0
 
 
 def farthest(geometry: str) -> float:
     """How far from the origin an orbit is looked at."""
-    return FARTHEST if geometry in ("h3", "h2xe", "sl2") else np.inf
+    return FARTHEST if geometry in ("h3", "h2xe", "sl2", "sol") else np.inf
 
 
 def orbit_radius(geometry: str, points: ArrayLike) -> Array:
     """Distance (...) of points (...,4) from the origin, to sort an orbit by: poor next to the origin.
 
-    In nil and sl2, where only an iteration finds it, the kernel is asked, on the default device.
+    In nil, sl2 and sol, where only an iteration finds it, the kernel is asked, on the default device.
     """
     p = np.asarray(points, dtype=np.float64)
     match geometry:
-        case "nil" | "sl2":
+        case "nil" | "sl2" | "sol":
             from thurston_cl.geometry import for_few_points
 
             return np.asarray(for_few_points(geometry).distance(p.reshape(-1, 4)).reshape(p.shape[:-1]))

@@ -1,18 +1,26 @@
 """Lights, and what light does on its way."""
 
+import math
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
+
+from thurston_cl.models import LEFT_INVARIANT, PRODUCTS
 
 from .base import Node, Problem, problem, shown
 from .context import Context
 from .points import Point
 from .suggest import did_you_mean
-from .values import Also, ColorValue, Count, Flag, Positive, Says, color
+from .values import Also, ColorValue, Count, Direction, Flag, Positive, Says, color
+
+if TYPE_CHECKING:
+    from thurston_cl.lattice import Lattice
 
 # Each costs a solve at every point that is hit, and light along the hundredth is dim beyond telling.
 MOST_GEODESICS = 1000
+# How far a vector may be off and still be the same, in parts of its size: far above rounding.
+_SAME_DIRECTION = 1e-9
 
 
 class PointLight(Node):
@@ -32,7 +40,14 @@ class PointLight(Node):
     falloff: Literal["area", "inverse", "constant"] = Field(
         default="area",
         description="How it fades with the length of the geodesic: `area` is what the geometry does, 1/area "
-        "density; `inverse` is 1/length; `constant` does not fade (paper, 5.9).",
+        "density; `inverse` is 1/length; `constant` does not fade (paper, 5.9). Default `constant` with "
+        "`direction: straight`, which has no `area`.",
+    )
+    direction: Literal["geodesic", "straight"] = Field(
+        default="geodesic",
+        description="Where it comes from: along geodesics; or, in nil, sl2 and sol, for speed, as if along "
+        "the `straight` line of coordinates about the point that it falls on (paper, 5.9 and 11.6), without "
+        "shadows.",
     )
     geodesics: Count = Field(
         default=1,
@@ -59,6 +74,8 @@ class PointLight(Node):
     @classmethod
     def fill(cls, data: dict[str, Any], context: Context) -> None:
         data.setdefault("geodesics", usual_geodesics(context.geometry))
+        if data.get("direction") == "straight":
+            data.setdefault("falloff", "constant")
         if not context.manifold:
             data.setdefault("translates", 1)
 
@@ -66,6 +83,8 @@ class PointLight(Node):
         if context.geometry in ("e3", "h3", "h2xe") and self.geodesics > 1:
             message = f"in {context.geometry} only one geodesic joins two points, not {self.geodesics}"
             yield Problem(("geodesics",), message, "leave it out")
+        if self.direction == "straight":
+            yield from self._check_straight(context)
         if self.geodesics > MOST_GEODESICS:
             message = f"{self.geodesics} geodesics are more than anyone will wait for"
             yield Problem(("geodesics",), message, f"at most {MOST_GEODESICS}")
@@ -78,6 +97,60 @@ class PointLight(Node):
         elif not self.repeated and "translates" in self.model_fields_set:
             message = "a light that is not repeated has no translates"
             yield Problem(("translates",), message, "leave one of the two out", True)
+
+    def _check_straight(self, context: Context) -> Iterator[Problem]:
+        if context.geometry not in (*LEFT_INVARIANT, None):
+            message = f"in {context.geometry} light comes along geodesics as quickly"
+            yield Problem(("direction",), message, "leave direction out", True)
+        if self.falloff == "area":
+            message = "what comes along a straight line has no area density"
+            yield Problem(("falloff",), message, "write inverse or constant")
+        if self.geodesics > 1:
+            message = "only one straight line joins two points"
+            yield Problem(("geodesics",), message, "leave geodesics out, or 'direction: straight'", True)
+
+
+class Sun(Node):
+    """A light that is so far away that it comes from the same direction everywhere, and does not fade."""
+
+    what = "a sun"
+    example = "sun: {from: [0, 0, 1]}"
+    hints: ClassVar[Mapping[str, str]] = {
+        "shadows": "'shadows' stands beside 'sun', not inside it",
+        "along": "write 'from: [x, y, z]', the direction that the light comes from",
+        "at": "a sun has a direction, no place: write 'from: [x, y, z]'",
+    }
+
+    towards: Direction = Field(
+        default=(0, 0, 1),
+        alias="from",
+        description="The direction that its light comes from, in the frame at each point: any in e3; in "
+        "s2xe, h2xe, nil, sl2 and sol [0, 0, ±1], since only vertical geodesics are parallel; s3 and h3 have "
+        "no parallel ones. A manifold has to keep the direction.",
+    )
+    color: ColorValue = Field(default=color("white"), description="Its color.")
+    intensity: Positive = Field(default=1.0, description="Its strength; 1 gives full light.")
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        x, y, z = self.towards
+        if context.geometry in ("s3", "h3"):
+            message = f"{context.geometry} has no parallel light: geodesics meet or part in every direction"
+            yield Problem((), message, "write 'point: {at: ...}' instead")
+        elif context.geometry not in ("e3", None) and (x != 0 or y != 0):
+            message = f"in {context.geometry} only vertical light is parallel: from [0, 0, 1] or [0, 0, -1]"
+            yield Problem(("from",), message, f"write [0, 0, {math.copysign(1, z):g}]")
+        elif context.lattice is not None and not _is_kept(context.lattice, self.towards):
+            message = "this manifold turns the direction of the sun, so that it has none there"
+            yield Problem(("from",), message, "use a point light, or leave the manifold out")
+
+
+def _is_kept(lattice: "Lattice", direction: tuple[float, float, float]) -> bool:
+    """Whether the group of a lattice keeps a direction of the frame, but for e3 the vertical one."""
+    from thurston_cl.lattice.isometry import vector_map
+
+    kept = (0.0, 0.0, 0.0, 1.0) if lattice.geometry in PRODUCTS else (*direction, 0.0)
+    off = vector_map(lattice.geometry, lattice.maps) @ kept - kept
+    return bool(abs(off).max() < _SAME_DIRECTION * max(map(abs, kept)))
 
 
 def usual_geodesics(geometry: str | None) -> int:
@@ -105,15 +178,27 @@ class Light(Node):
 
     what = "a light"
     example = "- point: {at: [0, 0, 1]}"
-    one_of = ("point",)
+    one_of = ("point", "sun")
     hints: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("sun", "directional", "ambient", "area", "spot"), "this version has point lights only"
-    )
+        ("ambient", "area", "spot"), "this version has point lights and suns only"
+    ) | {"directional": "did you mean 'sun'?"}
 
-    point: PointLight = Field(description="A light that shines from one point in all directions.")
+    point: PointLight | None = Field(
+        default=None, description="A light that shines from one point in all directions."
+    )
+    sun: Sun | None = Field(default=None, description="A light that comes from one direction everywhere.")
     shadows: Literal["hard"] | None = Field(
         default=None, description="Left out: no shadows are worked out for this light."
     )
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        if self.shadows is not None and self.point is not None and self.point.direction == "straight":
+            message = "light along a straight line of coordinates throws no shadows: no ray follows that line"
+            yield Problem(("shadows",), message, "leave out shadows, or 'direction: straight'", True)
+
+    @classmethod
+    def _split(cls) -> str:
+        return "begin each light with '- '"
 
 
 class ExponentialFog(Node):

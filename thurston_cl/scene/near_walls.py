@@ -1,5 +1,6 @@
 """How to measure distance near the walls of a cell (paper 4.2), and which images of an object that takes."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,6 +8,7 @@ from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice, elements
 from thurston_cl.lattice.isometry import SAME_DIGITS, act, compose, fibre, inverse, origin
+from thurston_cl.lattice.suspension import Suspension
 from thurston_cl.models import FIBRED, PRODUCTS, TWISTED
 from thurston_cl.scene import schema
 from thurston_cl.scene.placement import Placement
@@ -19,6 +21,11 @@ SEARCHED = 1000
 LAST = 20
 # How far outside the domain a point of an edge may be and still be on it: far above rounding.
 ON_EDGE = 1e-9
+# How often a line may run along each translation of a torus before it closes: beyond, its images fill the
+# cell closely, and there would be too many of them.
+MOST_TIMES = 12
+# The sine of the angle by which a direction may miss a closed one: scenes give few digits of irrational ones.
+CLOSED = 1e-4
 
 
 def choose_near_walls(scene: schema.Scene) -> str:
@@ -91,6 +98,8 @@ def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice,
             "this manifold does not keep levels, so that a horizontal plane has no place in it; cut a "
             "bounded piece out of it with an intersection, or leave the manifold out"
         )
+    if bounds is None and isinstance(lattice, Suspension):
+        _check_lines(solid, frame, lattice, place)
     if near_walls in ("neighbours", "both"):
         return lattice.over_walls
     if bounds is None:
@@ -113,12 +122,59 @@ def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice,
     return near[reached]
 
 
+def _leaves(solid: schema.Solid) -> Iterator[schema.Solid]:
+    """The shapes that a solid is made of."""
+    members = solid.shape if isinstance(solid.shape, tuple) else [solid.shape]
+    solids = [member for member in members if isinstance(member, schema.Solid)]
+    for member in solids:
+        yield from _leaves(member)
+    if not solids:
+        yield solid
+
+
 def _has_level(solid: schema.Solid) -> bool:
     """Whether a horizontal half-space or slab takes part in a solid."""
-    if solid.kind in ("half-space", "slab"):
-        return bool(solid.shape.normal[2] != 0)
-    members = solid.shape if isinstance(solid.shape, tuple) else [solid.shape]
-    return any(_has_level(member) for member in members if isinstance(member, schema.Solid))
+    return any(leaf.kind in ("half-space", "slab") and leaf.shape.normal[2] != 0 for leaf in _leaves(solid))
+
+
+def _check_lines(solid: schema.Solid, outer: Array, lattice: Suspension, place: Placement) -> None:
+    """Raises ValueError unless the horizontal lines that a solid of sol runs along close in the manifold:
+    each has to be along a sum of few of the translations over the sides.
+    """
+    if not lattice.has_sides:
+        return
+    frame = compose("sol", outer, place.isometry(solid.at, solid.rotate))
+    match solid.kind:
+        case "cylinder" | "pseudo-cylinder":
+            along = np.array(solid.shape.along, dtype=np.float64)[:2]
+        case "half-space" | "slab":
+            # The axis of the plane other than z.
+            normal = np.array(solid.shape.normal, dtype=np.float64)
+            along = np.array([normal[1], normal[0]]) if normal[2] == 0 else np.zeros(2)
+        case _:
+            members = solid.shape if isinstance(solid.shape, tuple) else [solid.shape]
+            for member in members:
+                if isinstance(member, schema.Solid):
+                    _check_lines(member, frame, lattice, place)
+            return
+    # The translations as they are in the coordinates of the solid.
+    translations = lattice.basis @ np.linalg.inv(frame[:2, :2]).T
+    if along.any() and not _few(along, translations):
+        ways = " or ".join(f"[{x:.5g}, {y:.5g}, 0]" for x, y in translations)
+        raise ValueError(
+            f"in this manifold the horizontal lines of this {solid.kind} never close, and come as near to "
+            f"every point as one likes; lead it along a translation of the torus, there {ways}, cut a "
+            "bounded piece out of it with an intersection, or leave the manifold out"
+        )
+
+
+def _few(direction: Array, translations: Array) -> bool:
+    """Whether a direction (2,) of x, y is along a sum of each of the translations (k,2) a few times."""
+    times = np.arange(-MOST_TIMES, MOST_TIMES + 1)
+    sums = np.stack(np.meshgrid(*[times] * len(translations)), axis=-1).reshape(-1, len(translations))
+    ways = sums[np.any(sums != 0, axis=1)] @ translations
+    sines = np.abs(direction[0] * ways[:, 1] - direction[1] * ways[:, 0])
+    return bool(np.any(sines < CLOSED * np.hypot(*direction) * np.hypot(*ways.T)))
 
 
 def balls_over_walls(lattice: Lattice, centres: Array, radius: float) -> Array:
@@ -160,6 +216,10 @@ def bounds_of(solid: schema.Solid, outer: Array, place: Placement) -> list[_Boun
     match solid.kind:
         case "ball":
             return [_Bound(act(geometry, frame, origin(geometry)), solid.shape.radius, False)]
+        case "pseudo-ball":
+            # Along z and then straight across it, d <= |z| + sqrt(X^2 + Y^2) <= sqrt(2) sigma.
+            radius = float(np.sqrt(2.0)) * solid.shape.radius
+            return [_Bound(act(geometry, frame, origin(geometry)), radius, False)]
         case "cylinder" if geometry in FIBRED and solid.shape.along[2] != 0:
             return [_Bound(act(geometry, frame, origin(geometry)), solid.shape.radius, True)]
         case "union":
@@ -169,11 +229,26 @@ def bounds_of(solid: schema.Solid, outer: Array, place: Placement) -> list[_Boun
             return [bound for member in members if member is not None for bound in member]
         case "intersection":
             members = [bounds_of(member, frame, place) for member in solid.shape]
-            return next((member for member in members if member is not None), None)
+            box = _box(solid.shape, frame) if geometry == "sol" else None
+            return next((member for member in members if member is not None), box)
         case "difference":
             return bounds_of(solid.shape[0], frame, place)
         case _:
             return None
+
+
+def _box(members: tuple[schema.Solid, ...], frame: Array) -> list[_Bound] | None:
+    """What holds an intersection of slabs of sol across x, y and z together."""
+    half = [np.inf] * 3
+    for member in members:
+        if member.kind == "slab" and member.at == (0.0, 0.0, 0.0) and not member.rotate:
+            axis = int(np.argmax(np.abs(member.shape.normal)))
+            half[axis] = min(half[axis], 0.5 * member.shape.thickness)
+    if np.inf in half:
+        return None
+    # Straight to the point below or above, and from there along z.
+    radius = float(np.hypot(*np.sinh(half[:2]))) + half[2]
+    return [_Bound(act("sol", frame, origin("sol")), radius, False)]
 
 
 def _around_edges(lattice: Lattice) -> Array:

@@ -20,16 +20,26 @@ from thurston_cl.lattice.isometry import (
     stabilizer,
     vector_map,
 )
-from thurston_cl.models import TWISTED
+from thurston_cl.models import LEFT_INVARIANT
 from thurston_cl.scene import schema
 
 Array = NDArray[np.float64]
 # Below this sine of their angle, the direction of view and up leave no plane for the picture's sides.
 PARALLEL = 1e-9
-# Coordinates beyond this have lost all digits of what is near them; in h3, 27 from the origin.
+# Coordinates, and e^|z| in sol, beyond this have lost all digits of what is near them: in h3 and along z in
+# sol, 27 from the origin.
 FARTHEST = 1e12
 X_AXIS = np.array([1.0, 0.0, 0.0])
 Z_AXIS = np.array([0.0, 0.0, 1.0])
+# All rotations of sol about the origin: none, and half turns about [0, 0, 1], [1, 1, 0] and [1, -1, 0].
+SOL_TURNS = np.array(
+    [
+        [[1.0, 0, 0], [0, 1, 0], [0, 0, 1]],
+        [[-1, 0, 0], [0, -1, 0], [0, 0, 1]],
+        [[0, 1, 0], [1, 0, 0], [0, 0, -1]],
+        [[0, -1, 0], [-1, 0, 0], [0, 0, -1]],
+    ]
+)
 
 
 class Placement:
@@ -42,13 +52,15 @@ class Placement:
         """The point (4,) that a scene means: flowed to from the origin, or given by its coordinates."""
         name = self.geometry.name
         if isinstance(where, schema.ModelPoint):
-            return on_model(name, np.array([where.model]))[0]
-        vector = np.asarray(where, dtype=np.float64)
-        length = float(np.linalg.norm(vector))
-        if length == 0:
-            return origin(name)
-        point = self.geometry.flow(vector / length, length)[0][0]
-        if not np.all(np.abs(point) < FARTHEST):
+            point = on_model(name, np.array([where.model]))[0]
+        else:
+            vector = np.asarray(where, dtype=np.float64)
+            length = float(np.linalg.norm(vector))
+            if length == 0:
+                return origin(name)
+            point = self.geometry.flow(vector / length, length)[0][0]
+        height = abs(point[2]) if name == "sol" else 0.0
+        if not (np.all(np.abs(point) < FARTHEST) and height < np.log(FARTHEST)):
             raise ValueError("this point is too far away to be computed with")
         return point
 
@@ -70,13 +82,18 @@ class Placement:
 
     def vectors(self, point: Array) -> Array:
         """The frame at a point (4,) as vectors (3,4) in the form that the kernels march with."""
-        return np.eye(3, 4) if self.geometry.name in TWISTED else self.geometry.velocity(point, np.eye(3))
+        if self.geometry.name in LEFT_INVARIANT:
+            return np.eye(3, 4)
+        return self.geometry.velocity(point, np.eye(3))
 
     def turn(self, start: Iterable[float], goal: Iterable[float]) -> Array:
         """The smallest rotation (n,n) about the origin that turns one axis to a direction. In the fibred
-        geometries it has to keep the fibre: both are along it, or both across.
+        geometries it has to keep the fibre: both are along it, or both across. In sol both are vertical, or
+        both along x or y.
         """
         a, b = (np.asarray(tuple(v), dtype=np.float64) / np.linalg.norm(tuple(v)) for v in (start, goal))
+        if self.geometry.name == "sol":
+            return stabilizer("sol", SOL_TURNS[np.argmax(SOL_TURNS @ a @ b)])
         axis, cosine = np.cross(a, b), float(a @ b)
         sine = float(np.linalg.norm(axis))
         if sine > 0:

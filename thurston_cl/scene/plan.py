@@ -25,10 +25,18 @@ from thurston_cl.scene.writer import Writer
 
 # How far a ray goes where the scene does not say. In s3 a ray is back where it began, in s2xe it
 # has been round six times. In h3, h2xe and sl2 nearby directions part like e^t, so that single precision,
-# with log(1/EPSILON) = 16, has no digits left beyond 15. A cell of finite volume has something to hit in
-# every direction, and no background: there a ray goes on, and what it shows beyond 15 is finer than a pixel.
-FAR = {"e3": 100.0, "s3": 2 * np.pi, "h3": 15.0, "s2xe": 40.0, "h2xe": 15.0, "nil": 100.0, "sl2": 15.0}
-FAR_IN_FINITE_CELL = FAR | dict.fromkeys(("h3", "h2xe", "sl2"), 40.0)
+# with log(1/EPSILON) = 16, has no digits left beyond 15. In sol those do that go up or down, but they come
+# back: next to a hyperbolic plane after twice the logarithm of the angle to it, which does not show at 30.
+# A cell of finite volume has something to hit in every direction, and no background: there a ray goes on, and
+# what it shows beyond 15 is finer than a pixel.
+FAR = dict.fromkeys(("h3", "h2xe", "sl2"), 15.0) | {
+    "e3": 100.0,
+    "s3": 2 * np.pi,
+    "s2xe": 40.0,
+    "nil": 100.0,
+    "sol": 30.0,
+}
+FAR_IN_FINITE_CELL = FAR | dict.fromkeys(("h3", "h2xe", "sl2", "sol"), 40.0)
 
 # Cells with a number of their own; those farther away share the last. 4096 numbers fit half of a second-level
 # cache.
@@ -47,6 +55,8 @@ EFFECT_FILES = {
     "bands": "pattern/bands.h",
     "light fading as 1/length": "light/falloff_inverse.h",
     "light that does not fade": "light/falloff_constant.h",
+    "light along straight lines": "light/direction_field.h",
+    "sun": "light/sun.h",
     "cell ids": "cells.h",
 }
 
@@ -54,6 +64,8 @@ EFFECT_FILES = {
 # Shadows build on lights; fog comes last.
 EFFECT_ORDER = (
     "light/point.h",
+    "light/direction_field.h",
+    "light/sun.h",
     "light/falloff_area.h",
     "light/falloff_inverse.h",
     "light/falloff_constant.h",
@@ -100,13 +112,9 @@ class Plan:
             if self.scene.lattice is None
             else f"{self.scene.lattice.name}, {len(self.scene.lattice.walls)} walls"
         )
-        shapes = sorted(
-            {
-                part.split("/")[1].removesuffix(".h").replace("_", " ")
-                for part in self.parts
-                if part.startswith("shape/")
-            }
-        )
+        named = [part.split("/")[1].removesuffix(".h") for part in self.parts if part.startswith("shape/")]
+        objects = self.source.generated["scene objects"]
+        shapes = [name.replace("_", " ") for name in named if f"{name}_surface(" in objects]
         return {
             "geometry": self.scene.geometry,
             "space": quotient,
@@ -206,11 +214,11 @@ def _cells(scene: schema.Scene, wanted: Collection[str]) -> tuple[NDArray[np.flo
     """The cells (C,n,n) that rays keep track of and the cells behind their walls; of neither any where no
     channel and no light asks for it.
     """
-    if scene.lattice is None or not (
-        "cell" in wanted or any(not light.point.repeated for light in scene.lights)
-    ):
+    points = [light.point for light in scene.lights if light.point is not None]
+    once = any(not point.repeated for point in points)
+    if scene.lattice is None or not ("cell" in wanted or once):
         return np.zeros((0, 4, 4)), np.zeros((1, 1), np.int32)
-    if isinstance(scene.lattice, Prism) and any(not light.point.repeated for light in scene.lights):
+    if isinstance(scene.lattice, Prism) and once:
         return cell_table(scene.lattice, LIT_CELLS, _far(scene))
     return cell_table(scene.lattice, CELL_TABLE)
 

@@ -22,7 +22,7 @@ class ModelPoint(Node):
     example = "{model: [0, 0, 0, 1]}"
 
     model: Vec4 = Field(
-        description="Coordinates in the model: w = 1 in e3 and nil; x² + y² + z² + w² = 1 in s3; "
+        description="Coordinates in the model: w = 1 in e3, nil and sol; x² + y² + z² + w² = 1 in s3; "
         "x² + y² + z² − w² = −1 with w > 0 in h3; x² + y² + z² = 1 in s2xe and "
         "x² + y² − z² = −1 with z > 0 in h2xe and sl2, where w is the place on the fiber."
     )

@@ -15,12 +15,25 @@ from thurston_cl.models import GEOMETRIES
 from .base import Node, problem, shown
 from .camera import Camera, Look, Perspective, Projection, Step
 from .context import Context
-from .lights import Effects, ExponentialFog, Fog, Light, PointLight
-from .manifold import ManifoldValue, MatrixLattice
+from .lights import Effects, ExponentialFog, Fog, Light, PointLight, Sun
+from .manifold import ManifoldValue, MatrixLattice, TorusBundle
 from .parse import Location
 from .points import ModelPoint, Point
 from .settings import Output, RenderSettings, different_files
-from .shapes import Ball, Cylinder, HalfSpace, Horoball, Object, Rotation, Shape, Slab, Solid, Tile
+from .shapes import (
+    Ball,
+    Cylinder,
+    HalfSpace,
+    Horoball,
+    Object,
+    PseudoBall,
+    PseudoCylinder,
+    Rotation,
+    Shape,
+    Slab,
+    Solid,
+    Tile,
+)
 from .source import Problems, SceneSource
 from .suggest import nearest
 from .surfaces import Bands, Checker, Grid, Material, Pattern
@@ -30,7 +43,6 @@ if TYPE_CHECKING:
     from thurston_cl.lattice import Lattice
 
 FORMAT_VERSION: Literal[1] = 1
-_LATER_GEOMETRIES = ("sol",)
 _LONG_NAMES = {
     "euclidean": "e3",
     "flat": "e3",
@@ -63,13 +75,8 @@ def _version(value: Any) -> Any:
 def _geometry(value: Any) -> Any:
     if isinstance(value, str) and value not in GEOMETRIES:
         available = ", ".join(GEOMETRIES)
-        if value in _LATER_GEOMETRIES:
-            raise problem(f"'{value}' is not rendered yet; available: {available}")
-        guess = nearest(value, (*GEOMETRIES, *_LATER_GEOMETRIES, *_LONG_NAMES))
-        guess = _LONG_NAMES.get(guess or "", guess)
-        help = f"did you mean '{guess}'?" if guess else None
-        if guess in _LATER_GEOMETRIES:
-            help = f"did you mean '{guess}'? It is not rendered yet"
+        guess = nearest(value, (*GEOMETRIES, *_LONG_NAMES))
+        help = f"did you mean '{_LONG_NAMES.get(guess, guess)}'?" if guess else None
         raise problem(f"{shown(value)} is not one of: {available}", help)
     return value
 
@@ -91,10 +98,10 @@ class Scene(Node):
     )
     title: str = Field(default="", description="What the picture shows.")
     geometry: Annotated[
-        Literal["e3", "s3", "h3", "s2xe", "h2xe", "nil", "sl2"], BeforeValidator(_geometry)
+        Literal["e3", "s3", "h3", "s2xe", "h2xe", "nil", "sl2", "sol"], BeforeValidator(_geometry)
     ] = Field(
         description="The space: Euclidean, spherical or hyperbolic; the sphere or the hyperbolic plane "
-        "times a line; Nil; the universal cover of SL(2, R)."
+        "times a line; Nil; the universal cover of SL(2, R); Sol."
     )
     manifold: ManifoldValue | None = Field(
         default=None,
@@ -138,9 +145,7 @@ class Scene(Node):
             if isinstance(self.manifold, str):
                 self._lattice = lattice.named(self.geometry, self.manifold)
             else:
-                self._lattice = lattice.from_matrices(
-                    self.geometry, self.manifold.generators, self.manifold.domain
-                )
+                self._lattice = self.manifold.lattice(self.geometry)
         return self._lattice
 
     def remember(self, source: SceneSource, lattice: "Lattice | None") -> None:
@@ -200,6 +205,8 @@ __all__ = [
     "Point",
     "PointLight",
     "Projection",
+    "PseudoBall",
+    "PseudoCylinder",
     "RenderSettings",
     "Rotation",
     "Scene",
@@ -207,5 +214,7 @@ __all__ = [
     "Slab",
     "Solid",
     "Step",
+    "Sun",
     "Tile",
+    "TorusBundle",
 ]

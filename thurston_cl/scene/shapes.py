@@ -16,6 +16,8 @@ from .values import Angle, AtLeast, Direction, Number, OneOrMore, Positive, Says
 
 # How far an angle may be off a half turn, in half turns: rounding, since people write '180 deg'.
 _HALF_TURN = 1e-12
+# How far from its center a plane of sol may be: sinh of it is as large as coordinates may be (placement.py).
+_FARTHEST_PLANE = 27.0
 
 
 class Shape(Node):
@@ -42,7 +44,7 @@ class Ball(Shape):
 
 
 class Cylinder(Shape):
-    """All points within a distance of a geodesic."""
+    """All points within a distance of a geodesic; in sol of the x- or the y-axis, which are none."""
 
     what = "a cylinder"
     example = "cylinder: {radius: 0.1, along: [0, 0, 1]}"
@@ -54,11 +56,17 @@ class Cylinder(Shape):
     along: Direction = Field(
         default=(0, 0, 1),
         description="Direction of the geodesic through the center: any in e3, s3 and h3; along the fiber, "
-        "[0, 0, 1], or horizontal, [x, y, 0], in s2xe and h2xe; along the fiber in nil and sl2.",
+        "[0, 0, 1], or horizontal, [x, y, 0], in s2xe and h2xe; along the fiber in nil and sl2. In sol the "
+        "axis, [±1, 0, 0] or [0, ±1, 0].",
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
-        if context.geometry in FIBRED:
+        if context.geometry == "sol":
+            if _axis_of(self.along) not in ("x", "y"):
+                message = "in sol a cylinder is about the x-axis, [1, 0, 0], or the y-axis, [0, 1, 0]"
+                help = "write 'along: [1, 0, 0]' or 'along: [0, 1, 0]', or make it a pseudo-cylinder"
+                yield Problem(("along",), message, help)
+        elif context.geometry in FIBRED:
             yield from _keeps_fibers(
                 context, "along", self.along, "a cylinder", horizontal=context.geometry in PRODUCTS
             )
@@ -72,7 +80,8 @@ class Cylinder(Shape):
 
 class HalfSpace(Shape):
     """All points on one side of a plane: a totally geodesic surface. In nil and sl2, which have none, it is
-    all fibers over a line of the base, or one level of the fiber coordinate."""
+    all fibers over a line of the base, or one level of the fiber coordinate; in sol one value of x or y,
+    which is a hyperbolic plane, or of z, which is a Euclidean plane and not geodesic."""
 
     what = "a half-space"
     example = "half-space: {normal: [0, 0, 1], offset: -0.5}"
@@ -80,13 +89,15 @@ class HalfSpace(Shape):
     normal: Direction = Field(
         default=(0, 0, 1),
         description="Points out of the half-space, at the center. In the fibered geometries s2xe, h2xe, nil "
-        "and sl2 it is [0, 0, ±1], and the plane is horizontal, or [x, y, 0], and the plane is vertical.",
+        "and sl2 it is [0, 0, ±1], and the plane is horizontal, or [x, y, 0], and the plane is vertical. In "
+        "sol it is [±1, 0, 0], [0, ±1, 0] or [0, 0, ±1].",
     )
     offset: Number = Field(
         default=0.0,
         description="How far along the normal the plane stands: it is perpendicular to the geodesic that "
         "leaves the center along the normal, at this signed distance; between −π/2 and π/2 in s3 and, of a "
-        "vertical plane, in s2xe.",
+        "vertical plane, in s2xe. In sol this is the signed distance from the center too, but the nearest "
+        "point lies elsewhere: the plane is x = sinh(offset), y = sinh(offset) or z = offset.",
     )
     crossing: Literal["directed", "bisection"] = Field(
         default="directed",
@@ -96,9 +107,10 @@ class HalfSpace(Shape):
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _keeps_fibers(context, "normal", self.normal, "the normal of a half-space")
+        yield from _has_plane(context, self.normal, "the normal of a half-space")
         if context.geometry == "s3" or self.normal[2] == 0:
             yield from _fits(context, "offset", self.offset, "π/2", "an offset, to either side,")
+        yield from _is_near(context, "offset", self.offset)
         if "crossing" in self.model_fields_set and context.geometry is not None:
             if context.geometry not in TWISTED:
                 message = f"in {context.geometry} the distance to a plane is known"
@@ -124,9 +136,10 @@ class Slab(Shape):
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _keeps_fibers(context, "normal", self.normal, "the normal of a slab")
+        yield from _has_plane(context, self.normal, "the normal of a slab")
         if context.geometry == "s3" or self.normal[2] == 0:
             yield from _fits(context, "thickness", self.thickness, "π", "the thickness of a slab")
+        yield from _is_near(context, "thickness", 0.5 * self.thickness)
 
 
 class Horoball(Shape):
@@ -176,6 +189,37 @@ class Tile(Shape):
             yield Problem(("edges",), "the cell of this manifold has no edges", "leave it out", True)
 
 
+class PseudoBall(Shape):
+    """In sol what the paper takes for a ball (11.5): e^(−2z) x² + e^(2z) y² + z² ≤ radius², in coordinates
+    about the center. The smaller it is, the nearer to a ball; and it is quick, for no geodesic is solved
+    for."""
+
+    what = "a pseudo-ball"
+    example = "pseudo-ball: {radius: 0.4}"
+
+    radius: Positive = Field(description="How far it reaches along z.")
+
+
+class PseudoCylinder(Shape):
+    """In sol all pseudo-balls of one radius about the points of a one-parameter subgroup: t (x, y, 0), or the
+    z-axis (paper, 11.5). Only the z-axis and the lines x = ±y are geodesics."""
+
+    what = "a pseudo-cylinder"
+    example = "pseudo-cylinder: {radius: 0.1, along: [1, 1, 0]}"
+
+    radius: Positive = Field(description="Radius of the pseudo-balls.")
+    along: Direction = Field(
+        default=(0, 0, 1),
+        description="Which way it goes from the center: [0, 0, ±1], or horizontal, [x, y, 0].",
+    )
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        x, y, z = self.along
+        if z != 0 and (x != 0 or y != 0):
+            message = "a pseudo-cylinder is vertical, [0, 0, 1], or horizontal, [x, y, 0]"
+            yield Problem(("along",), message, f"write [0, 0, 1] or [{x:g}, {y:g}, 0]")
+
+
 def _fits(context: Context, key: str, value: float, bound: str, what: str) -> Iterator[Problem]:
     """In s3 and on the sphere of s2xe nothing is further away than π, no plane or line further than π/2."""
     if context.geometry in ("s3", "s2xe") and abs(value) >= {"π": math.pi, "π/2": math.pi / 2}[bound]:
@@ -184,6 +228,31 @@ def _fits(context: Context, key: str, value: float, bound: str, what: str) -> It
         if context.geometry == "s2xe":
             help = "at that size it meets itself on the far side of the sphere"
         yield Problem((key,), message, help)
+
+
+def _is_near(context: Context, key: str, distance: float) -> Iterator[Problem]:
+    """In sol numbers grow by e a unit: further planes are lost to rounding."""
+    if context.geometry == "sol" and abs(distance) > _FARTHEST_PLANE:
+        most, given = shown(_FARTHEST_PLANE), shown(abs(distance))
+        message = f"in sol a plane is at most {most} from the center; this one is {given}"
+        yield Problem((key,), message, "that far away nothing is seen of it")
+
+
+def _axis_of(direction: tuple[float, float, float]) -> str | None:
+    """Which axis of the coordinates a direction is along."""
+    along = [axis for axis, component in zip("xyz", direction, strict=True) if component != 0]
+    return along[0] if len(along) == 1 else None
+
+
+def _has_plane(context: Context, normal: tuple[float, float, float], what: str) -> Iterator[Problem]:
+    """Whether there is a plane across a direction."""
+    if context.geometry != "sol":
+        yield from _keeps_fibers(context, "normal", normal, what)
+    elif _axis_of(normal) is None:
+        message = f"in sol {what} is along an axis: [±1, 0, 0], [0, ±1, 0] or [0, 0, ±1]"
+        nearest = max(range(3), key=lambda k: abs(normal[k]))
+        cure = [math.copysign(1, c) if k == nearest else 0 for k, c in enumerate(normal)]
+        yield Problem(("normal",), message, "write [{:g}, {:g}, {:g}]".format(*cure))
 
 
 def _keeps_fibers(
@@ -207,31 +276,38 @@ def _keeps_fibers(
 
 class Rotation(Node):
     """A turn about a geodesic through the center of the object, right-handed about its axis. In the fibered
-    geometries s2xe, h2xe, nil and sl2 a turn has to keep the fibers."""
+    geometries s2xe, h2xe, nil and sl2 a turn has to keep the fibers; sol has three half turns."""
 
     what = "a rotation"
     example = "rotate: {axis: [0, 0, 1], angle: 30 deg}"
 
     axis: Direction = Field(
         description="The axis: any in e3, s3 and h3; in the fibered geometries [0, 0, ±1], along the fiber, "
-        "or horizontal, [x, y, 0]."
+        "or horizontal, [x, y, 0]; in sol [0, 0, 1], [1, 1, 0] or [1, −1, 0], or any of these backwards."
     )
     angle: Angle = Field(
         description="How far to turn; about a horizontal axis of a fibered geometry by 180 deg, which turns "
-        "the fiber over."
+        "the fiber over; in sol by 180 deg."
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
         yield from _keeps_fibers(context, "axis", self.axis, "the axis of a rotation")
-        if context.geometry in FIBRED and self.axis[2] == 0:
-            halves = self.angle / math.pi
-            if abs(halves - round(halves)) > _HALF_TURN:
-                yield Problem(
-                    ("angle",),
-                    f"about a horizontal axis {context.geometry} can be turned by 180 deg only; this is "
-                    f"{math.degrees(self.angle):.10g} deg",
-                    "write '180 deg', or turn about the fiber: axis: [0, 0, 1]",
-                )
+        halves, turned = self.angle / math.pi, f"{math.degrees(self.angle):.10g} deg"
+        half_turn = abs(halves - round(halves)) <= _HALF_TURN
+        if context.geometry == "sol":
+            x, y, z = self.axis
+            if not (x == y == 0 or (z == 0 and abs(x) == abs(y))):
+                message = "in sol the axis of a rotation is [0, 0, 1], [1, 1, 0] or [1, -1, 0]"
+                yield Problem(("axis",), message, "no other turn is an isometry of sol; write one of these")
+            if not half_turn:
+                message = f"sol can be turned by 180 deg only; this is {turned}"
+                yield Problem(("angle",), message, "write '180 deg'")
+        elif context.geometry in FIBRED and self.axis[2] == 0 and not half_turn:
+            yield Problem(
+                ("angle",),
+                f"about a horizontal axis {context.geometry} can be turned by 180 deg only; this is {turned}",
+                "write '180 deg', or turn about the fiber: axis: [0, 0, 1]",
+            )
 
 
 def _one_or_more(value: Any, info: ValidationInfo) -> Any:
@@ -256,6 +332,8 @@ _SHAPES = (
     "slab",
     "horoball",
     "tile",
+    "pseudo-ball",
+    "pseudo-cylinder",
     "union",
     "intersection",
     "difference",
@@ -282,6 +360,12 @@ class Solid(Node):
     slab: Slab | None = Field(default=None, description="What lies between two planes.")
     horoball: Horoball | None = Field(default=None, description="A ball that touches infinity; in h3 only.")
     tile: Tile | None = Field(default=None, description="The cell of the manifold with balls removed.")
+    pseudo_ball: PseudoBall | None = Field(
+        default=None, alias="pseudo-ball", description="Nearly a ball; in sol only."
+    )
+    pseudo_cylinder: PseudoCylinder | None = Field(
+        default=None, alias="pseudo-cylinder", description="Nearly a cylinder; in sol only."
+    )
     union: Annotated[tuple["Solid", ...], AtLeast(1)] | None = Field(
         default=None, description="What lies in any of these."
     )
@@ -312,6 +396,10 @@ class Solid(Node):
     def check(self, context: Context) -> Iterator[Problem]:
         if self.horoball is not None and context.geometry not in ("h3", None):
             yield Problem(("horoball",), f"horoballs are made in h3, not in {context.geometry}", key=True)
+        for key, node in (("pseudo-ball", self.pseudo_ball), ("pseudo-cylinder", self.pseudo_cylinder)):
+            if node is not None and context.geometry not in ("sol", None):
+                message, exact = f"{key}s are made in sol, not in {context.geometry}", key[len("pseudo-") :]
+                yield Problem((key,), message, f"there is the {exact} itself: write '{exact}: ...'", True)
         if self.tile is not None and context.geometry is not None and not context.manifold:
             yield Problem(
                 ("tile",), "a tile needs a manifold, whose cell it is", "add 'manifold: NAME'", key=True

@@ -62,7 +62,7 @@ def _number(value: object) -> float:
     raise problem(f"expected a number, found {shown(value)}", help)
 
 
-def _integer(value: object) -> int:
+def whole_number(value: object) -> int:
     number = _number(value)
     if not number.is_integer():
         raise problem(f"expected a whole number, found {shown(value)}")
@@ -82,10 +82,12 @@ Number = Annotated[float, BeforeValidator(_number), Says("number")]
 Positive = Annotated[float, Gt(0), BeforeValidator(_number), Says("number > 0")]
 Fraction = Annotated[float, Gt(0), Lt(1), BeforeValidator(_number), Says("number between 0 and 1")]
 Weight = Annotated[float, Ge(0), Le(1), BeforeValidator(_number), Says("number from 0 to 1")]
-Count = Annotated[int, Ge(1), BeforeValidator(_integer), Says("whole number ≥ 1")]
-Pixels = Annotated[int, Ge(1), Le(16384), BeforeValidator(_integer)]
-Samples = Annotated[int, Ge(1), Le(4096), BeforeValidator(_integer), Says("whole number from 1 to 4096")]
-Steps = Annotated[int, Ge(1), Le(100_000), BeforeValidator(_integer), Says("whole number from 1 to 100000")]
+Count = Annotated[int, Ge(1), BeforeValidator(whole_number), Says("whole number ≥ 1")]
+Pixels = Annotated[int, Ge(1), Le(16384), BeforeValidator(whole_number)]
+Samples = Annotated[int, Ge(1), Le(4096), BeforeValidator(whole_number), Says("whole number from 1 to 4096")]
+Steps = Annotated[
+    int, Ge(1), Le(100_000), BeforeValidator(whole_number), Says("whole number from 1 to 100000")
+]
 
 Flag = Annotated[bool, BeforeValidator(_flag), Says("`true` or `false`")]
 
@@ -232,7 +234,7 @@ PixelSize = Annotated[
 def _pair(value: object) -> object:
     if isinstance(value, (list, tuple)):
         return _list_of(2, "[n, m]")(value)
-    number = _integer(value)
+    number = whole_number(value)
     return number, number
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from thurston_cl.lattice import Lattice, elements, neighbours
 from thurston_cl.lattice.isometry import act, inverse
+from thurston_cl.scene import schema
 from thurston_cl.scene.lights import usual_geodesics
 from thurston_cl.scene.placement import CameraFrame
 from thurston_cl.scene.writer import Writer
@@ -36,20 +37,23 @@ class _Asked:
     """What a light asks for. Lights that ask for the same share a loop."""
 
     geodesics: int
+    direction: str = "geodesic"
     shadowed: bool = False
     falloff: str = "area"
     repeated: bool = True
 
 
 def write_lights(writer: Writer, camera: CameraFrame) -> int:
-    """Add scene_light: a loop over the images of all lights that ask for the same.
+    """Add scene_light: a loop over the images of all point lights that ask for the same, and over the suns.
 
     Returns the number of images in all.
     """
     loops: dict[_Asked, list[tuple[Array, Array]]] = {}
     for k, light in enumerate(writer.scene.lights):
-        point = light.point
-        asked = _Asked(point.geodesics, light.shadows == "hard", point.falloff, point.repeated)
+        point, shadowed = light.point, light.shadows == "hard"
+        if point is None:
+            continue
+        asked = _Asked(point.geodesics, point.direction, shadowed, point.falloff, point.repeated)
         color = np.array(point.color.linear) * point.intensity
         try:
             where = writer.place.point(point.at)
@@ -66,16 +70,18 @@ def write_lights(writer: Writer, camera: CameraFrame) -> int:
         loops.setdefault(asked, []).extend((image, color) for image in images)
     if not writer.scene.lights:
         loops[_Asked(usual_geodesics(writer.geometry.name))] = _default_lights(camera, writer)
-    writer.parts.add("light/point.h")
     body = ["real3_lanes seen = phong_ambient(s);"]
     for asked, images_of in loops.items():
         body += _loop(writer, camera, asked, images_of)
+    suns = [light for light in writer.scene.lights if light.sun is not None]
+    for light in suns:
+        body += _sun(writer, light)
     writer.function(
         "real3_lanes scene_light(shading s, mask counted, int max_steps, scene_data scene,"
         " real *shadow_steps)",
         [*body, "return seen;"],
     )
-    return sum(len(images_of) for images_of in loops.values())
+    return len(suns) + sum(len(images_of) for images_of in loops.values())
 
 
 def _loop(
@@ -94,25 +100,50 @@ def _loop(
             writer.seen_from.append(act(writer.lattice.geometry, cells, camera.carry_along(point)))
         size, color = 3, writer.numbers.add(number for _, light_color in lights for number in light_color)
         light, known = f"point light = seen_from_cell(s.cell, {first} + i, &known, scene);", " & known"
-    writer.parts.add(f"light/falloff_{asked.falloff}.h")
+    straight = asked.direction == "straight"
+    writer.parts |= {
+        f"light/{'direction_field' if straight else 'point'}.h",
+        f"light/falloff_{asked.falloff}.h",
+    }
     lines = [
-        f"for (int i = 0; i < {len(lights)}; i++) {{",
-        *(["  mask known;"] if known else []),
-        f"  {light}",
-        f"  for (int k = 0; k < {asked.geodesics}; k++) {{",
-        "    arrival a = point_light(s, light, k);",
-        f"    a.lit &= counted{known};",
-        f"    a.intensity = falloff_{asked.falloff}(a);",
+        f"arrival a = {'direction_field(s, light)' if straight else 'point_light(s, light, k)'};",
+        f"a.lit &= counted{known};",
+        f"a.intensity = falloff_{asked.falloff}(a);",
     ]
     if asked.shadowed:
         writer.parts.add("light/hard_shadow.h")
-        lines.append("    hard_shadow(s, &a, light, k, max_steps, scene, shadow_steps);")
+        lines.append("hard_shadow(s, &a, light, k, max_steps, scene, shadow_steps);")
+    lines += _seen(f"{color} + {size} * i")
+    if not straight:
+        lines = [f"for (int k = 0; k < {asked.geodesics}; k++) {{", *(f"  {line}" for line in lines), "}"]
     return [
-        *lines,
-        f"    real3_lanes more = phong(s, a, three_numbers(scene, {color} + {size} * i));",
-        "    seen = add_scaled_3(seen, more, REAL(1));",
-        "  }",
+        f"for (int i = 0; i < {len(lights)}; i++) {{",
+        *(["  mask known;"] if known else []),
+        f"  {light}",
+        *(f"  {line}" for line in lines),
         "}",
+    ]
+
+
+def _sun(writer: Writer, light: schema.Light) -> list[str]:
+    """Lines that add the light of a sun."""
+    assert light.sun is not None
+    writer.parts.add("light/sun.h")
+    place = writer.numbers.add(
+        [*light.sun.towards, *(light.sun.intensity * c for c in light.sun.color.linear)]
+    )
+    lines = [f"arrival a = sun(s, three_numbers(scene, {place}));", "a.lit &= counted;"]
+    if light.shadows == "hard":
+        writer.parts.add("light/hard_shadow.h")
+        lines.append("sun_shadow(s, &a, max_steps, scene, shadow_steps);")
+    return ["{", *(f"  {line}" for line in (*lines, *_seen(f"{place + 3}"))), "}"]
+
+
+def _seen(color: str) -> list[str]:
+    """Lines that add what arrives in the color at this place of the numbers."""
+    return [
+        f"real3_lanes more = phong(s, a, three_numbers(scene, {color}));",
+        "seen = add_scaled_3(seen, more, REAL(1));",
     ]
 
 

@@ -1,5 +1,6 @@
 """OpenCL text for the objects of a scene: signed distance, surface and material."""
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -16,7 +17,7 @@ from thurston_cl.lattice.isometry import (
     snap,
     vector_map,
 )
-from thurston_cl.models import FIBRED, TWISTED
+from thurston_cl.models import FIBRED, ISOTROPIC, LEFT_INVARIANT
 from thurston_cl.scene import schema
 from thurston_cl.scene.near_walls import balls_over_walls, bounds_of, images, is_hollow
 from thurston_cl.scene.numbers import Numbers, components, homogeneous
@@ -170,12 +171,12 @@ class _SolidText:
     """The text of one solid: `distance`, and statements `lines` that work out the surface called `name`."""
 
     def __init__(self, writer: Writer, solid: schema.Object, outer: Array) -> None:
-        self._numbers, self._parts = writer.numbers, writer.parts
+        self._writer, self._numbers = writer, writer.numbers
         self._place, self._lattice = writer.place, writer.lattice
         self._geometry = writer.geometry.name
-        # Only in nil and sl2 a set of balls has coordinates on its surface.
+        # Only in nil, sl2 and sol a set of balls has coordinates on its surface.
         plain = isinstance(solid.material.color, schema.Color)
-        self._in_sets = plain or self._geometry in TWISTED
+        self._in_sets = plain or self._geometry in LEFT_INVARIANT
         self._near_walls, self._hollow = writer.near_walls, is_hollow(solid, self._geometry)
         self._count = 0
         self.lines: list[str] = []
@@ -200,8 +201,12 @@ class _SolidText:
                 return self._complement(self._left_out(shape, frame))
             case "ball":
                 return self._leaf("ball", frame, self._numbers.term(shape.radius))
+            case "pseudo-ball":
+                return self._leaf("pseudo_ball", frame, self._numbers.term(shape.radius))
             case "cylinder":
                 return self._cylinder(shape, frame)
+            case "pseudo-cylinder":
+                return self._pseudo_cylinder(shape, frame)
             case "half-space":
                 return self._half_space(shape.normal, shape.offset, frame, shape.crossing)
             case "slab":
@@ -217,26 +222,42 @@ class _SolidText:
                 return self._tile(shape, frame)
 
     def _cylinder(self, shape: schema.Cylinder, frame: Array) -> tuple[str, str]:
-        """About the fibre or across it, or in any direction where there are no fibres."""
-        level = self._geometry in FIBRED and shape.along[2] == 0
-        turned = self._turned(frame, X_AXIS if level else Z_AXIS, shape.along)
-        return self._leaf("level_cylinder" if level else "cylinder", turned, self._numbers.term(shape.radius))
+        """About the fibre or across it, or in any direction where there are none; in sol along x or y."""
+        name, axis = "cylinder", Z_AXIS
+        if self._geometry == "sol":
+            name, axis = "horocycle_cylinder", X_AXIS
+        elif self._geometry in FIBRED and shape.along[2] == 0:
+            name, axis = "level_cylinder", X_AXIS
+        return self._leaf(name, self._turned(frame, axis, shape.along), self._numbers.term(shape.radius))
+
+    def _pseudo_cylinder(self, shape: schema.PseudoCylinder, frame: Array) -> tuple[str, str]:
+        radius = self._numbers.term(shape.radius)
+        if shape.along[2] != 0:
+            return self._leaf("vertical_pseudo_cylinder", frame, radius)
+        x, y = np.array(shape.along[:2]) / np.hypot(*shape.along[:2])
+        return self._leaf("pseudo_cylinder", frame, radius, self._numbers.term(x), self._numbers.term(y))
 
     def _half_space(
         self, normal: Sequence[float], offset: float, frame: Array, crossing: str = "directed"
     ) -> tuple[str, str]:
-        """Bounded by the plane across a geodesic; in fibred geometries over a line of the base, or level."""
-        name, axis = "half_space", Z_AXIS
-        if self._geometry in FIBRED and normal[2] == 0:
-            name, axis = "vertical_half_space", X_AXIS
-        elif self._geometry in FIBRED:
-            name = "horizontal_half_space"
-            if crossing == "bisection":
-                self._parts.add(f"shape/{name}.h")
-                name = "bisected_half_space"
-        turned = self._turned(frame, axis, normal)
+        """Bounded by the plane across a geodesic; in fibred geometries over a line of the base, or level; in
+        sol at one value of a coordinate.
+        """
+        level = normal[2] != 0
+        axis = Z_AXIS if level or self._geometry in ISOTROPIC else X_AXIS
         lifted = self._place.isometry(tuple(offset * axis))
-        return self._leaf(name, compose(self._geometry, turned, lifted))
+        if self._geometry == "sol":
+            name = "flat_half_space" if level else "hyperbolic_half_space"
+            if not level:
+                # That far from the origin is the plane x = sinh(offset), though not along x.
+                lifted = self._place.isometry(schema.ModelPoint(model=(math.sinh(offset), 0, 0, 1)))
+        elif self._geometry in FIBRED:
+            name = "horizontal_half_space" if level else "vertical_half_space"
+            if level and crossing == "bisection":
+                name = "bisected_half_space"
+        else:
+            name = "half_space"
+        return self._leaf(name, compose(self._geometry, self._turned(frame, axis, normal), lifted))
 
     def _turned(self, frame: Array, axis: Array, goal: Sequence[float]) -> Array:
         return compose(self._geometry, frame, self._place.turn(axis, goal))
@@ -311,7 +332,7 @@ class _SolidText:
 
     def _leaf(self, shape: str, frame: Array, *arguments: str) -> tuple[str, str]:
         """One shape about the origin of its own coordinates; `frame` carries these into the cell."""
-        self._parts.add(f"shape/{shape}.h")
+        self._writer.add_shape(shape)
         matrix = snap(inverse(self._geometry, frame))
         point, vector, pulled = "p", "v", None
         if not np.array_equal(matrix, identity(self._geometry)):
@@ -335,7 +356,7 @@ class _SolidText:
         return f"with_fibre_gain(p, {moved}, {row})"
 
     def _ball_set(self, centres: Array, radius: float) -> tuple[str, str]:
-        self._parts |= {"shape/ball.h", "shape/ball_set.h"}
+        self._writer.add_shape("ball_set")
         arguments = (
             f"(p, scene, {self._numbers.add(centres.ravel())}, {len(centres)}, {self._numbers.term(radius)})"
         )

@@ -3,6 +3,8 @@
 Opposite walls share their work, and entries of a map that are 0 or +-1 cost nothing.
 """
 
+from functools import reduce
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,6 +64,8 @@ def _even(wall: Array, numbers: Numbers, name: str) -> str:
 
 # A wall map with more entries than this other than 0 and +-1 is worked out only where some lane needs it.
 DENSE = 6
+# The room of a ray where no wall ends it.
+NO_WALL = "REAL(INFINITY)"
 
 
 def _outside(lattice: Lattice, numbers: Numbers) -> list[str]:
@@ -86,10 +90,15 @@ def _outside(lattice: Lattice, numbers: Numbers) -> list[str]:
 
 
 def _teleport(lattice: Lattice, numbers: Numbers, cells: bool) -> list[str]:
-    """The body of teleport: one pass over the walls, in order; lanes beyond one are led back by its map."""
+    """The body of teleport: one pass over the walls, in order, in sol over the levels first; lanes beyond one
+    are led back by its map.
+    """
     lines = ["real slack = wall_slack(r->p);"]
     dimension = lattice.walls.shape[1]
-    for group in _groups(lattice.walls):
+    groups = _groups(lattice.walls)
+    if lattice.geometry == "sol":
+        groups = [group for group in groups if group[0] in lattice.level_walls]
+    for group in groups:
         wall = lattice.walls[group[0]]
         maps = lattice.maps[list(group)]
         on_vectors = vector_map(lattice.geometry, maps)
@@ -117,6 +126,38 @@ def _teleport(lattice: Lattice, numbers: Numbers, cells: bool) -> list[str]:
             )
             lines += [f"  r->cell = cell_behind(r->cell, {mask}, {f}, scene);" for mask, f in crossed]
         lines.append("  }}" if dense else "}")
+    return lines + _slide(lattice, numbers, cells) if lattice.geometry == "sol" else lines
+
+
+def _pairs_of_sides(lattice: Lattice) -> list[tuple[int, ...]]:
+    """The sides of a lattice of sol, each with the opposite one."""
+    return [(f, f + 1) for f in range(0, len(lattice.walls) - len(lattice.level_walls), 2)]
+
+
+def _slide(lattice: Lattice, numbers: Numbers, cells: bool) -> list[str]:
+    """Lines that lead lanes back over the sides of sol by as many translations as it takes: what a level
+    stretches reaches over many of them. One pair does not move lanes over the other.
+    """
+    lines: list[str] = []
+    for f, g in _pairs_of_sides(lattice):
+        wall, low, high = lattice.walls[f], float(lattice.walls[g, 3]), -float(lattice.walls[f, 3])
+        along = numbers.linear([*wall[:2], -0.5 * (low + high)], ("r->p.x", "r->p.y", ONE))
+        lines += [
+            "{",
+            f"  real along = {along};",
+            # Half the slack: whatever is outside for outside_cell, which rounds in another way, is moved.
+            f"  mask beyond = fabs(along) > fma(slack, REAL(C(0.5)), {numbers.term(0.5 * (high - low))});",
+            f"  real moves = SELECT(beyond, rint(along * {numbers.term(1.0 / (high - low))}), REAL(0));",
+        ]
+        for axis, shift in zip("xy", lattice.maps[f, :2, 3], strict=True):
+            if shift != 0:
+                lines.append(f"  r->p.{axis} = {numbers.linear([shift, 1.0], ('moves', f'r->p.{axis}'))};")
+        if cells:
+            lines += [
+                f"  r->cell = cell_behind_all(r->cell, {crossings}, {side}, scene);"
+                for crossings, side in (("moves", f), ("-moves", g))
+            ]
+        lines.append("}")
     return lines
 
 
@@ -173,26 +214,44 @@ def _product(row: list[float | str], variables: tuple[str, ...]) -> str:
 
 
 def _wall_time(lattice: Lattice, numbers: Numbers) -> list[str]:
-    """The body of wall_time: arc length to the nearest wall ahead, or in nil and sl2 a bound of it."""
+    """The body of wall_time: arc length to the nearest wall ahead, or in nil, sl2 and sol a bound of it."""
     # To just beyond where a point counts as outside: a ray along a wall would crawl if it could stop on it.
     lines = ["real beyond = REAL(2) * wall_slack(p);"]
     times: list[str] = []
     sides = [f for f in range(len(lattice.walls)) if f not in lattice.level_walls]
-    if sides:
+    if lattice.geometry == "sol":
+        times += _sides_of_sol(lattice, lines, numbers)
+    elif sides:
         lines += _crossing(lattice.walls[sides], lattice.geometry, numbers)
         times.append("crossing_time(ratio, v)")
     if lattice.level_walls:
         up = fibre(lattice.geometry)
-        coordinate = components("p")[up]
-        left = {"above": "REAL(INFINITY)", "below": "REAL(INFINITY)"}
+        left = {"above": NO_WALL, "below": NO_WALL}
         for f in lattice.level_walls:
             wall = lattice.walls[f]
             side, sign = ("above", "-") if wall[up] > 0 else ("below", "+")
-            end = numbers.term(-float(wall[-1]))
-            left[side] = f"fmax({end} {sign} {coordinate} + beyond, REAL(EPSILON))"
+            left[side] = _room(-float(wall[-1]), sign, components("p")[up], numbers)
         times.append(f"level_time(p, v, {left['above']}, {left['below']})")
-    lines.append(f"return {times[0]};" if len(times) == 1 else f"return fmin({times[0]}, {times[1]});")
+    lines.append(f"return {reduce(lambda least, time: f'fmin({least}, {time})', times)};")
     return lines
+
+
+def _room(end: float, sign: str, height: str, numbers: Numbers) -> str:
+    """How far a height may rise (-) or fall (+) to just beyond a wall at `end`, counted from 0 that way."""
+    return f"fmax({numbers.term(end)} {sign} {height} + beyond, REAL(EPSILON))"
+
+
+def _sides_of_sol(lattice: Lattice, lines: list[str], numbers: Numbers) -> list[str]:
+    """The times to the sides of sol, pair by pair; adds lines for the heights over them."""
+    times = []
+    for k, (f, g) in enumerate(_pairs_of_sides(lattice)):
+        wall = lattice.walls[f]
+        lines.append(f"real along{k} = {numbers.linear(wall[:2], ('p.x', 'p.y'))};")
+        normal = ", ".join(numbers.term(float(entry)) for entry in wall[:2])
+        above = _room(-float(wall[3]), "-", f"along{k}", numbers)
+        below = _room(-float(lattice.walls[g, 3]), "+", f"along{k}", numbers)
+        times.append(f"side_time(p, v, {normal}, {above}, {below})")
+    return times
 
 
 def _crossing(walls: Array, geometry: str, numbers: Numbers) -> list[str]:

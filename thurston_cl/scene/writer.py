@@ -1,5 +1,6 @@
 """What the parts of a scene share while their OpenCL text is written."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -7,6 +8,7 @@ from numpy.typing import NDArray
 
 from thurston_cl.geometry import Geometry
 from thurston_cl.lattice import Lattice
+from thurston_cl.models import TWISTED
 from thurston_cl.scene import schema
 from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import Placement
@@ -15,6 +17,31 @@ Array = NDArray[np.float64]
 
 # Shapes that are bounded along the ray only: their distance takes its vector too.
 DIRECTED = ("horizontal_half_space", "bisected_half_space")
+# What the file of a shape calls of other files of kernels/shape, and what says how far a ball is where that
+# has no closed form.
+_CALLED: dict[str, tuple[str, ...]] = {
+    "ball": ("angles",),
+    "ball_set": ("ball",),
+    "pseudo_ball": ("angles",),
+    "pseudo_cylinder": ("pseudo_ball",),
+    "vertical_pseudo_cylinder": ("pseudo_ball",),
+    "cylinder": ("angles",),
+    "level_cylinder": ("angles",),
+    "horocycle_cylinder": ("angles",),
+    "bisected_half_space": ("horizontal_half_space",),
+}
+_BALL_BOUNDS = dict.fromkeys(TWISTED, ("ball_twisted",)) | {"sol": ("ball_sol",)}
+
+
+def shape_parts(geometry: str, shapes: Iterable[str]) -> set[str]:
+    """The kernel files of shapes."""
+    parts: set[str] = set()
+    for shape in shapes:
+        called = _CALLED.get(shape, ())
+        if shape == "ball":
+            called += _BALL_BOUNDS.get(geometry, ())
+        parts |= {f"shape/{shape}.h"} | shape_parts(geometry, called)
+    return parts
 
 
 @dataclass
@@ -55,6 +82,10 @@ class Writer:
     def place(self) -> Placement:
         """Where things stand."""
         return Placement(self.geometry)
+
+    def add_shape(self, shape: str) -> None:
+        """Ask for the kernel files of a shape."""
+        self.parts |= shape_parts(self.geometry.name, [shape])
 
     def function(self, head: str, body: list[str]) -> None:
         """Add one function."""
