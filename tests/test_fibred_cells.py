@@ -159,3 +159,10 @@ def test_images_that_are_more_than_are_searched_are_an_error(height: float, fits
     else:
         with pytest.raises(tc.SceneError, match="too many images"):
             tc.render(scene, size=(8, 8), samples=1, lanes=1)
+
+
+def test_no_ray_of_sol_sticks_to_a_side() -> None:
+    """Whatever is outside for outside_cell is moved, though both round in other ways: else it steps by 0."""
+    scene = tc.load_scene("sol/cube-lattice", sets=["render.steps=1500", "render.far=9"])
+    image = tc.render(scene, size=(480, 270), samples=1)
+    assert image.statistics["out_of_steps"] == 0
