@@ -7,6 +7,7 @@ with 50 digits before it is rounded.
 
 import functools
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,8 @@ from typing import Any
 import mpmath
 import numpy as np
 from numpy.typing import NDArray
+
+from thurston_cl.program import kernel_text
 
 DATA = Path(__file__).parent / "data"
 GEOMETRIES = ("e3", "s3", "h3")
@@ -30,6 +33,12 @@ MP.dps = 50
 
 Exact = NDArray[np.object_]  # numbers of 50 digits
 Array = NDArray[np.float64]
+
+
+def constant(part: str, name: str, precision: str = "double") -> float:
+    """A named constant of a file of kernels/; one that double precision has of its own comes first there."""
+    found = re.findall(rf"^#define {name} (?:C\()?([\de.+-]+)", kernel_text(part), re.MULTILINE)
+    return float(found[0 if precision == "double" else -1])
 
 
 def exact(values: Any) -> Exact:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 import sol
-from golden import EPSILON, Array, cut
+from golden import EPSILON, Array, constant, cut
 from small_kernels import Body, SmallKernels
 from test_golden_sol import CASES, point_of
 
@@ -27,11 +27,6 @@ BODIES = {
     "side": Body(11, 1, _RAY + "OUT(0, side_time(p, v, IN(7), IN(8), IN(9), IN(10)));"),
 }
 PART = "geometry/sol_bounds.h"
-
-
-def constant(name: str) -> float:
-    (value,) = re.findall(rf"^#define {name} C\(([\d.]+)\)", kernel_text(PART), re.MULTILINE)
-    return float(value)
 
 
 class Setting(NamedTuple):
@@ -148,7 +143,7 @@ def test_a_greater_factor_is_too_great(opencl_device: Device) -> None:
     """BOUND_FACTOR: at 0.72 the bound is above some distances, as it is not at 1/sqrt 2."""
     parts = geometry_parts("sol")
     parts = parts[: parts.index(PART)]
-    factor, text = constant("BOUND_FACTOR"), kernel_text(PART)
+    factor, text = constant(PART, "BOUND_FACTOR"), kernel_text(PART)
     assert abs(factor / np.sqrt(0.5) - 1) < 1e-15
     g = Geometry("sol", "double", opencl_device, lanes=LANES)
     points, length = shortest_ends(g, 20_000)
@@ -194,14 +189,14 @@ def test_level_time_is_never_too_late(at: Setting) -> None:
 def test_the_most_jerk() -> None:
     """MOST_JERK is the greatest of |2 c (1 - c^2)|, the rate of change of the rate of u_z."""
     c = np.linspace(-1, 1, 100_001)
-    assert abs(np.abs(2 * c * (1 - c * c)).max() / constant("MOST_JERK") - 1) < 1e-9
+    assert abs(np.abs(2 * c * (1 - c * c)).max() / constant(PART, "MOST_JERK") - 1) < 1e-9
 
 
 def test_side_time_is_never_too_late(at: Setting) -> None:
     """SIDE_HORIZON, SIDE_GROWTH: until then n_x x + n_y y has changed less than there is room; far from both
     sides the horizon is all that is looked at."""
-    horizon = constant("SIDE_HORIZON")
-    assert abs(constant("SIDE_GROWTH") / np.exp(2 * horizon) - 1) < 1e-15
+    horizon = constant(PART, "SIDE_HORIZON")
+    assert abs(constant(PART, "SIDE_GROWTH") / np.exp(2 * horizon) - 1) < 1e-15
     p, u, room = rays(at, 4000, 5)
     normal = np.random.default_rng(6).normal(size=(4000, 2))
     normal[::5, 0] = 0

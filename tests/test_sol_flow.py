@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 import sol
-from golden import EPSILON, FLOAT, MP, Array, cut, exact
+from golden import EPSILON, FLOAT, MP, Array, constant, cut, exact
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_kernels import Body, SmallKernels
@@ -26,17 +26,12 @@ from thurston_cl.geometry import Geometry
 from thurston_cl.program import geometry_parts, kernel_text
 
 LANES = 16
-PHASE, FLOW = (kernel_text(f"geometry/sol_{name}.h") for name in ("phase", "flow"))
+PHASE_PART, FLOW_PART = "geometry/sol_phase.h", "geometry/sol_flow.h"
+PHASE, FLOW = kernel_text(PHASE_PART), kernel_text(FLOW_PART)
 both_precisions = pytest.mark.parametrize("precision", EPSILON)
 # From here on e^t overflows on the way, also where the end does not.
 LAST_TIME = {"single": 87.0, "double": 150.0}
 Ray = tuple[Sequence[float], float]
-
-
-def constant(name: str, precision: str, text: str = PHASE) -> float:
-    """A named constant, of which double precision may have its own: then that comes first."""
-    found = re.findall(rf"^#define {name} (?:C\()?([\de.+-]+)", text, re.MULTILINE)
-    return float(found[0 if precision == "double" else -1])
 
 
 # Which double precision does not have.
@@ -189,7 +184,7 @@ def speed(row: Sequence[float]) -> float:
 def over_modulus(precision: str) -> Iterator[Ray]:
     """CLOSED_BELOW, in k, at short and long phases, and where half periods are taken off."""
     for e in both_sides(precision):
-        k = constant("CLOSED_BELOW", precision) * (1 + e)
+        k = constant(PHASE_PART, "CLOSED_BELOW", precision) * (1 + e)
         row = with_complement(np.sqrt((1 - k) * (1 + k)), 0.1)
         yield from ((row, t) for t in (0.3, 1.5, 2.5, 3.0, 9.0))
 
@@ -206,20 +201,20 @@ def over_planar(precision: str) -> Iterator[Ray]:
     for t in (2.5, 8.0, 25.0):
         for up in (0.6, -0.6, 0.0):
             for e in both_sides(precision):
-                complement = constant("PLANAR_BELOW", precision) * np.exp(-t / 2) * (1 + e)
+                complement = constant(PHASE_PART, "PLANAR_BELOW", precision) * np.exp(-t / 2) * (1 + e)
                 a, _, c = with_complement(complement, up)
                 # Of a small m the difference has no digits.
                 row = (a, complement**2 / 4 / a, c)
                 yield from ((row, t), ((row[1], row[0], c), t))
     for t in (2.5, 8.0, 25.0):
         for e in both_sides(precision):
-            small = constant("PLANAR_BELOW", precision) * np.exp(-t / 2) * (1 + e) / 2
+            small = constant(PHASE_PART, "PLANAR_BELOW", precision) * np.exp(-t / 2) * (1 + e) / 2
             yield from (((small, small, sign), t) for sign in (1, -1))
 
 
 def over_half_tangent(precision: str) -> Iterator[Ray]:
     """HALF_TANGENT_BELOW, in tanh(z/2), at its first crossing and at others."""
-    height = 2 * np.arctanh(constant("HALF_TANGENT_BELOW", precision, FLOW))
+    height = 2 * np.arctanh(constant(FLOW_PART, "HALF_TANGENT_BELOW", precision))
     for row in ((0.3, 0.2, 0.9), (1e-3, 0.0, 1.0), (0.2, 0.7, 0.1), (1e-9, 0.4, -0.9)):
         start = row / np.linalg.norm(row)
         times = np.linspace(0.05, 12, 400)
@@ -273,7 +268,7 @@ def test_walks(walk: str, precision: str, opencl_device: Device) -> None:
 def test_planes_go_on_to_the_end_of_double_precision(opencl_device: Device) -> None:
     """PHASE_END, in mu t/2: from there on k' e^v is not worked out, which must not make a geodesic planar;
     and in a plane heights go on to 709."""
-    end = min(2 * constant("PHASE_END", "double"), 600.0)
+    end = min(2 * constant(PHASE_PART, "PHASE_END", "double"), 600.0)
     rows = ((0.6, 0.0, 0.8), (0.0, 0.6, 0.8), (0.6, 1e-100, 0.8), (1e-60, 1e-60, 1.0), (1e-100, 1e-100, 1.0))
     rays = [(row, t) for row in rows for t in (0.99 * end, 1.01 * end, 200.0, 300.0, 620.0)]
     u, t, off = errors_of(rays, "double", opencl_device)
@@ -347,12 +342,12 @@ INTEGRAL_ERROR = {"single": 8.2e-7, "double": 1.7e-15}
 @both_precisions
 def test_the_integral_on_both_sides_of_the_closed_form(precision: str, opencl_device: Device) -> None:
     """CLOSED_BELOW: I keeps its digits over all k, next to where the formula changes and far from it."""
-    seam = constant("CLOSED_BELOW", precision)
+    seam = constant(PHASE_PART, "CLOSED_BELOW", precision)
     moduli = np.array(
         [*(seam * (1 + e) for e in both_sides(precision) if seam * (1 + e) < 1), 0.3, 0.05, 1e-3]
     )
     complements = [*np.sqrt((1 - moduli) * (1 + moduli)), 0.4, 0.1, 1e-2, 1e-4, 1e-8, 1.0]
-    ascents = int(constant("ASCENTS", precision))
+    ascents = int(constant(PHASE_PART, "ASCENTS", precision))
     off = integral_errors(opencl_device, precision, ascents, complements)
     print(f"{precision} I {off.max():.1e}")
     assert off.max() <= 2 * INTEGRAL_ERROR[precision], (complements, off)
@@ -361,8 +356,8 @@ def test_the_integral_on_both_sides_of_the_closed_form(precision: str, opencl_de
 @both_precisions
 def test_one_ascent_fewer_is_too_few(precision: str, opencl_device: Device) -> None:
     """ASCENTS: just above CLOSED_BELOW what the last one adds counts."""
-    k = constant("CLOSED_BELOW", precision) * 1.001
-    ascents = int(constant("ASCENTS", precision))
+    k = constant(PHASE_PART, "CLOSED_BELOW", precision) * 1.001
+    ascents = int(constant(PHASE_PART, "ASCENTS", precision))
     off, more = (
         integral_errors(opencl_device, precision, n, [np.sqrt((1 - k) * (1 + k))]).max()
         for n in (ascents - 1, ascents)
@@ -404,7 +399,7 @@ def test_both_forms_next_to_the_seam_of_beta_sn(
         patched.setattr(
             thurston_cl.program,
             "kernel_text",
-            lambda part: text if part == "geometry/sol_flow.h" else kernel_text(part),
+            lambda part: text if part == FLOW_PART else kernel_text(part),
         )
         others, other_ahead = geometry(precision, opencl_device).flow(u, t)
     assert (np.abs(others - points) <= 16 * EPSILON[precision] * np.maximum(1, np.abs(points))).all()
@@ -417,7 +412,7 @@ def test_both_forms_next_to_the_seam_of_beta_sn(
 @both_precisions
 def test_transport_over_its_steps(precision: str, opencl_device: Device) -> None:
     """TRANSPORT_STEP: one step more from there on, with NODES each; against Taylor's series."""
-    step = constant("TRANSPORT_STEP", precision, FLOW)
+    step = constant(FLOW_PART, "TRANSPORT_STEP", precision)
     e = 1e-6 if precision == "single" else 1e-12
     rows = ((0.6, 0.64, 0.48), (0.05, 0.03, -1.0), (0.7, 0.7, 1e-3), (-0.5, 0.3, 0.8))
     times = [step * k * (1 + sign * e) for k in (1, 2) for sign in (-1, 0, 1)] + [1e-3]
@@ -479,7 +474,7 @@ def test_transport_stays_a_rotation(precision: str, opencl_device: Device) -> No
 @both_precisions
 def test_transport_ends_at_its_bound(precision: str, opencl_device: Device) -> None:
     """MOST_STEPS: beyond there is no number, and no waiting for one."""
-    most = constant("MOST_STEPS", precision, FLOW) * constant("TRANSPORT_STEP", precision, FLOW)
+    most = constant(FLOW_PART, "MOST_STEPS", precision) * constant(FLOW_PART, "TRANSPORT_STEP", precision)
     g, u = geometry(precision, opencl_device), np.array([0.5, 0.5, 0.0]) * np.sqrt(2.0)
     for t, known in ((most * 0.999, True), (most * 1.001, False), (1e30, False), (-1e30, False)):
         assert np.isfinite(g.transport(u, t)).all() == known, t

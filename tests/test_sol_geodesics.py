@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sol
-from golden import EPSILON, MP, Array, cut
+from golden import EPSILON, MP, Array, constant, cut
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import ellipe, ellipeinc, ellipkinc, ellipkm1
@@ -29,11 +29,6 @@ from thurston_cl.program import geometry_parts, kernel_text
 LANES = 16
 PART = "geometry/sol_geodesics.h"
 both_precisions = pytest.mark.parametrize("precision", EPSILON)
-
-
-def constant(name: str, precision: str) -> float:
-    found = re.findall(rf"^#define {name} (?:C\()?([\d.e-]+)", kernel_text(PART), re.MULTILINE)
-    return float(found[0 if precision == "double" else -1])
 
 
 def geometry(precision: str, device: Device) -> Geometry:
@@ -200,7 +195,7 @@ def arrive_by_each_coordinate(precision: str, points: Array, device: Device) -> 
 @both_precisions
 def test_next_to_the_axis(precision: str, opencl_device: Device) -> None:
     """AXIS_BELOW, in x e^(-z/2), from both sides; on the axis, and with y = 0."""
-    axis, points = constant("AXIS_BELOW", precision), []
+    axis, points = constant(PART, "AXIS_BELOW", precision), []
     for e in (-0.5, -1e-3, 1e-3, 0.5):
         for z in (0.0, 0.7, -2.5):
             across = axis * (1 + e) * np.exp(abs(z) / 2)
@@ -492,7 +487,7 @@ def test_level_points_have_the_lists_of_points_next_to_them(precision: str, open
 @both_precisions
 def test_how_far_lists_go(precision: str, opencl_device: Device) -> None:
     """MOST_WINDINGS: all up to that many periods, so that no length below 4.44 times it is missing."""
-    most = int(constant("MOST_WINDINGS", precision))
+    most = int(constant(PART, "MOST_WINDINGS", precision))
     (u,), (lengths,) = geometry(precision, opencl_device).geodesics([60.0, 50.0, 0.3, 1.0], 4 * most + 3)
     known = np.isfinite(lengths)
     assert known.sum() == 4 * most + 1
@@ -581,7 +576,7 @@ def test_the_choices_of_the_search_do_not_matter(
 ) -> None:
     """OUTWARD_LEAST, OUTWARD_MOST and ROOT_START only say where the search goes next; more MINIMUM_STEPS, by
     the golden ratio GOLDEN, change nothing; both forms beside WIDE_ABOVE and APART_BELOW are good."""
-    golden = constant("GOLDEN", precision)
+    golden = constant(PART, "GOLDEN", precision)
     assert abs(golden * golden + golden - 1) < 1e-15
     points, _, lengths = (a[:600] for a in far_lists(precision, opencl_device))
     names = ("OUTWARD_LEAST", "OUTWARD_MOST", "ROOT_START", "WIDE_ABOVE", "APART_BELOW")

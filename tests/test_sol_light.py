@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sol
-from golden import EPSILON, Array, cut
+from golden import EPSILON, Array, constant, cut
 from small_kernels import Body, SmallKernels
 from test_sol_flow import both_sides, with_m
 
@@ -24,11 +24,6 @@ from thurston_cl.program import geometry_parts, kernel_text
 LANES = 16
 PART = "geometry/sol_light.h"
 both_precisions = pytest.mark.parametrize("precision", EPSILON)
-
-
-def constant(name: str, precision: str) -> float:
-    found = re.findall(rf"^#define {name} ([\d.e-]+)", kernel_text(PART), re.MULTILINE)
-    return float(found[0 if precision == "double" else -1])
 
 
 @functools.cache
@@ -72,7 +67,7 @@ def with_product(product: float, straight: bool) -> tuple[float, float, float]:
 @both_precisions
 def test_on_both_sides_of_the_closed_form(precision: str, opencl_device: Device) -> None:
     """CLOSED_AREA_ABOVE, next to planes, to straight lines and to the vertical."""
-    seam = constant("CLOSED_AREA_ABOVE", precision)
+    seam = constant(PART, "CLOSED_AREA_ABOVE", precision)
     rays = []
     for straight in (False, True):
         for e in (0.5, -0.5, *both_sides(precision)):
@@ -150,7 +145,7 @@ def test_the_integration_is_of_order_four(precision: str, opencl_device: Device)
     body = {
         "area": Body(4, 1, "direction u = {IN(0), IN(1), IN(2)}; OUT(0, area_density(u, IN(3), REAL(0)));")
     }
-    step = constant("AREA_STEP", precision)
+    step = constant(PART, "AREA_STEP", precision)
     t = np.linspace(2.0, 6.0, 40)
     u, want = np.broadcast_to([0.0, 0.0, 1.0], (40, 3)), np.sinh(t) ** 2
     off = []

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 import scipy.special
-from golden import DATA, EPSILON, FLOAT, MP, Array, cut, exact
+from golden import DATA, EPSILON, FLOAT, MP, Array, constant, cut, exact
 from hypothesis import given
 from hypothesis import strategies as st
 from small_kernels import Body, SmallKernels
@@ -23,7 +23,8 @@ from thurston_cl.device import Device
 from thurston_cl.program import kernel_text
 from thurston_cl.special import ARGUMENT_LIMIT
 
-HEAD = kernel_text("special/jacobi.h")
+PART = "special/jacobi.h"
+HEAD = kernel_text(PART)
 PARTS = ("lanes.h", "special/elementary.h")
 BODY = Body(
     3,
@@ -45,12 +46,6 @@ all_kernels = pytest.mark.parametrize(
     ("precision", "lanes"), [(precision, lanes) for precision in EPSILON for lanes in (1, 4, 16, 32)]
 )
 BOTH_SIDES = [sign * 10.0**-n for sign in (-1, 1) for n in (3, 6, 9, 12, 15)] + [0.0]
-
-
-def constant(name: str, precision: str) -> float:
-    """A named constant of the head, of which double precision may have its own: then that comes first."""
-    found = re.findall(rf"^#define {name} (?:C\()?([\de.+-]+)", HEAD, re.MULTILINE)
-    return float(found[0 if precision == "double" else -1])
 
 
 # -- truth ---------------------------------------------------------------------------------------------------
@@ -323,7 +318,7 @@ def test_steps_of_the_mean(precision: str, opencl_device: Device) -> None:
     needed = dict(zip(map(float, rows["k'"]), map(int, rows[words[precision]]), strict=False))
     (allowed,) = re.findall(r"errors of at most (\d+) units", HEAD)
     (smallest,) = re.findall(rf"k' down to .*?(\S+) \({words[precision]}\)", HEAD)
-    fitting = [k for k, steps in needed.items() if steps <= constant("AGM_STEPS", precision)]
+    fitting = [k for k, steps in needed.items() if steps <= constant(PART, "AGM_STEPS", precision)]
     assert min(fitting) == float(smallest)
 
     @functools.cache
@@ -354,7 +349,7 @@ def fractions_of_quarter(case: Case, precision: str) -> list[Case]:
 @both_precisions
 def test_where_hyperbolic_functions_begin(precision: str, opencl_device: Device) -> None:
     """HYPERBOLIC_BELOW, at which cn and dn change their formula, and so does K."""
-    seam = constant("HYPERBOLIC_BELOW", precision)
+    seam = constant(PART, "HYPERBOLIC_BELOW", precision)
     cases = [Case("m1", (seam * (1 + e)) ** 2) for e in (*BOTH_SIDES, -0.1, 0.1)]
     check_all(
         [at for case in cases for at in fractions_of_quarter(case, precision)], precision, opencl_device
@@ -364,7 +359,7 @@ def test_where_hyperbolic_functions_begin(precision: str, opencl_device: Device)
 @both_precisions
 def test_where_c_is_a_difference(precision: str, opencl_device: Device) -> None:
     """DIFFERENCE_BELOW, passed at the first step or at a later one."""
-    ratio = constant("DIFFERENCE_BELOW", precision)
+    ratio = constant(PART, "DIFFERENCE_BELOW", precision)
     cases = []
     for _ in range(4):
         cases += [Case("m1", (ratio * (1 + e)) ** 2) for e in BOTH_SIDES]
@@ -378,7 +373,7 @@ def test_where_c_is_a_difference(precision: str, opencl_device: Device) -> None:
 @both_precisions
 def test_where_sech_vanishes(precision: str, opencl_device: Device) -> None:
     """SECH_END, for m = 1: up to there sech is worked out, from there on it is less than TINY."""
-    end = constant("SECH_END", precision)
+    end = constant(PART, "SECH_END", precision)
     least = float(np.finfo(FLOAT[precision]).tiny)
     u = cut([end * (1 + e) for e in BOTH_SIDES], precision)
     below = u[u <= end]

@@ -1,5 +1,6 @@
 """What is checked of every lattice that a person gives."""
 
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -68,3 +69,40 @@ def check_isometry(geometry: str, m: Array, f: int, tolerance: float) -> None:
             f,
             f"exchanges the sheets of the hyperboloid: its {which} must be positive; negate {cure}",
         )
+
+
+def partner_of(
+    f: int,
+    inverse_defects: Array,
+    wall_defects: Array,
+    outward_defect: Callable[[int], float],
+    allowed: float,
+) -> int:
+    """The wall whose map is the inverse of map f, and to which that carries wall f, or LatticeError.
+
+    `inverse_defects` and `wall_defects` (F,) say by how much each wall fails either, `outward_defect` by how
+    much one would fail the second if map f led out of the domain instead of back.
+    """
+    inverses = np.flatnonzero(inverse_defects < allowed)
+    if len(inverses) == 0:
+        raise blame(
+            "generators",
+            f,
+            "has no inverse among the generators; add it, with the half-space whose points it leads back",
+        )
+    best = int(inverses[np.argmin(wall_defects[inverses])])
+    if wall_defects[best] < allowed:
+        return best
+    if outward_defect(best) < allowed:
+        raise blame(
+            "generators",
+            f,
+            "moves the wrong way: it must lead back the points outside its half-space; "
+            "exchange it with its inverse",
+        )
+    raise blame(
+        "domain",
+        f,
+        f"does not fit its generator, which should carry its plane to that of half-space {best + 1} "
+        f"and misses by {wall_defects[best]:.2g}; correct one of the half-spaces or the generator",
+    )

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from thurston_cl.lattice.checks import INSIDE, OVERLAP, blame, check_isometry, given_numbers
+from thurston_cl.lattice.checks import INSIDE, OVERLAP, blame, check_isometry, given_numbers, partner_of
 from thurston_cl.lattice.cycles import edge_cycles
 from thurston_cl.lattice.domain import Lattice
 from thurston_cl.lattice.error import LatticeError
@@ -121,27 +121,8 @@ def _partner(geometry: str, walls: Array, maps: Array, f: int, tolerance: float)
     size = max(1.0, float(np.max(np.abs(maps[f]))), float(np.max(np.abs(walls[f]))))
     allowed = 10.0 * tolerance * size * size
     inverse_defect, wall_defect = (defect[f] for defect in pairing_defects(geometry, walls, maps))
-    inverses = np.nonzero(inverse_defect < allowed)[0]
-    if len(inverses) == 0:
-        raise blame(
-            "generators",
-            f,
-            "has no inverse among the generators; add it, with the half-space whose points it leads back",
-        )
-    best = int(inverses[np.argmin(wall_defect[inverses])])
-    if wall_defect[best] < allowed:
-        return best
-    # Perhaps the generator leads out of the domain through its half-space instead of back.
-    if pairing_defects(geometry, walls, inverse(geometry, maps))[1][f, best] < allowed:
-        raise blame(
-            "generators",
-            f,
-            "moves the wrong way: it must lead back the points outside its half-space; "
-            "exchange it with its inverse",
-        )
-    raise blame(
-        "domain",
-        f,
-        f"does not fit its generator, which should carry its plane to that of half-space {best + 1} "
-        f"and misses by {wall_defect[best]:.2g}; correct one of the half-spaces or the generator",
-    )
+
+    def outward(best: int) -> float:
+        return float(pairing_defects(geometry, walls, inverse(geometry, maps))[1][f, best])
+
+    return partner_of(f, inverse_defect, wall_defect, outward, allowed)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from thurston_cl.lattice.checks import INSIDE, OVERLAP, blame
+from thurston_cl.lattice.checks import INSIDE, OVERLAP, blame, partner_of
 from thurston_cl.lattice.forms import Array, unit_wall
 from thurston_cl.lattice.isometry import act, compose, dimension, fibre, identity, inverse, origin, snap
 from thurston_cl.lattice.polygon import BASE, Polygon, lower
@@ -90,30 +90,13 @@ def _partner(geometry: str, walls: Array, maps: Array, f: int, tolerance: float)
         off = [float(np.max(np.abs(m[np.ix_(at, at)] - np.eye(3)))) for m in products]
     else:
         off = [_off_identity(geometry, m) for m in products]
-    inverses = np.flatnonzero(np.array(off) < allowed)
-    if len(inverses) == 0:
-        raise blame(
-            "generators",
-            f,
-            "has no inverse among the generators; add it, with the half-space whose points it leads back",
-        )
     defects = np.max(np.abs(walls - _carried(geometry, walls[f], maps[f])), axis=1)
-    best = int(inverses[np.argmin(defects[inverses])])
-    if defects[best] < allowed:
-        return best
-    if np.max(np.abs(walls[best] - _carried(geometry, walls[f], inverse(geometry, maps[f])))) < allowed:
-        raise blame(
-            "generators",
-            f,
-            "moves the wrong way: it must lead back the points outside its half-space; "
-            "exchange it with its inverse",
-        )
-    raise blame(
-        "domain",
-        f,
-        f"does not fit its generator, which should carry its plane to that of half-space {best + 1} "
-        f"and misses by {defects[best]:.2g}; correct one of the half-spaces or the generator",
-    )
+
+    def outward(best: int) -> float:
+        carried = _carried(geometry, walls[f], inverse(geometry, maps[f]))
+        return float(np.max(np.abs(walls[best] - carried)))
+
+    return partner_of(f, np.array(off), defects, outward, allowed)
 
 
 def _base_entries(geometry: str) -> list[int]:
