@@ -5,6 +5,7 @@ typedef struct {
   point p;
   vector v;
   real t, steps, cell;
+  real clear;  // the bound of the distance to the scene where the last step began
   mask active, hit;
 } ray;
 
@@ -14,7 +15,7 @@ FN real wall_slack(point p) { return REAL(WALL_SLACK * EPSILON) * coordinate_siz
 
 FN ray new_ray(point p, vector v)
 {
-  ray r = {p, v, REAL(0), REAL(0), REAL(0)};
+  ray r = {p, v, REAL(0), REAL(0), REAL(0), REAL(0)};
   r.active = r.t == r.t;
   r.hit = NOT(r.active);
   return r;
@@ -33,6 +34,7 @@ FN real scene_distance(point p, vector v, scene_data scene);
 FN ray march_step(ray r, real limit, scene_data scene)
 {
   real distance = scene_distance(r.p, r.v, scene), threshold = number(scene, HIT_THRESHOLD);
+  r.clear = distance;
 #ifdef IN_QUOTIENT
   mask inside = NOT(outside_cell(r.p, scene));
 #else
@@ -62,5 +64,13 @@ FN ray march_step(ray r, real limit, scene_data scene)
   r.cell = SELECT(r.active, moved.cell, r.cell);
   r.t += t;
   r.steps += SELECT(r.active, REAL(1), REAL(0));
+  return r;
+}
+
+// Marches the active lanes until the last has ended; those still active then are out of steps. Not inlined: rays of all kinds
+// share it.
+SOLVER ray march(ray r, real limit, int max_steps, scene_data scene)
+{
+  for (int i = 0; i < max_steps && ANY(r.active); i++) r = march_step(r, limit, scene);
   return r;
 }

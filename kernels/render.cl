@@ -2,8 +2,8 @@
 // they end; `shade` turns the records into colour and the other channels. Pixels of a tile are numbered 4x4 block by block,
 // so that the rays of a packet are neighbours; the host undoes that.
 //
-// The generated scene part gives, beside what march.h needs: view_ray(x, y), scene_surface and scene_light, scene_air,
-// scene_background.
+// The generated scene part gives, beside what march.h needs: view_ray(x, y), scene_surface and scene_light, scene_background,
+// scene_clear and scene_air (fog), scene_seen (what a ray shows that has ended, with or without reflections).
 
 // A record: t, steps, cell, hit (1), out of steps (2) or miss (0), position, velocity.
 #define RECORD_T 0
@@ -17,14 +17,17 @@
 #define SUM_COLOR 0
 #define SUM_STEPS 3
 #define SUM_SHADOW_STEPS 4
-#define SUM_HITS 5
-#define SUM_NAN 6
-#define SUM_OUT_OF_STEPS 7
-#define FIRST_DEPTH 8
-#define FIRST_NORMAL 9
-#define FIRST_STEPS 12
-#define FIRST_OBJECT 13
-#define FIRST_CELL 14
+#define SUM_REFLECTION_STEPS 5
+#define SUM_LIGHT_SOLVES 6
+#define SUM_DISTANCES 7
+#define SUM_HITS 8
+#define SUM_NAN 9
+#define SUM_OUT_OF_STEPS 10
+#define FIRST_DEPTH 11
+#define FIRST_NORMAL 12
+#define FIRST_STEPS 15
+#define FIRST_OBJECT 16
+#define FIRST_CELL 17
 
 // The place of a tile in the picture, its width with padding, and the place of the sample in its pixel. Pixels of the padding,
 // from `right` and `bottom` on, are not marched.
@@ -51,7 +54,7 @@ __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_s
   scene_data scene = {numbers, next_cell, seen_from};
   size_t packet = get_global_id(0);
   ray r = start((int)packet * LANES + LANE_IDS, scene, TILE_ARGUMENTS);
-  for (int i = 0; i < max_steps && ANY(r.active); i++) r = march_step(r, number(scene, FAR), scene);
+  r = march(r, number(scene, FAR), max_steps, scene);
   STORE(r.t, packet, records + (size_t)RECORD_T * stride);
   STORE(r.steps, packet, records + (size_t)RECORD_STEPS * stride);
   STORE(r.cell, packet, records + (size_t)RECORD_CELL * stride);
@@ -128,46 +131,40 @@ __kernel void shade(__global const scalar *records, __global scalar *pixels, int
   for (int c = 0; c < 12; c++) record[c] = LOAD(packet, records + (size_t)c * stride);
   point p = {record[RECORD_POINT], record[RECORD_POINT + 1], record[RECORD_POINT + 2], record[RECORD_POINT + 3]};
   vector v = {record[RECORD_VECTOR], record[RECORD_VECTOR + 1], record[RECORD_VECTOR + 2], record[RECORD_VECTOR + 3]};
-  real t = record[RECORD_T], cell = record[RECORD_CELL], shadow_steps = REAL(0), object = REAL(0);
+  ray r = new_ray(p, v);
+  r.t = record[RECORD_T];
+  r.cell = record[RECORD_CELL];
   // A ray out of steps has come as near to a surface as it could: it is shaded there, and counted.
-  mask hit = record[RECORD_END] > REAL(0);
-  real3_lanes seen = scene_background(scene), normal = {REAL(0), REAL(0), REAL(0)};
-  if (ANY(hit)) {
-    shading s;
-    covector gradient;
-    scene_surface(p, &object, &cell, &gradient, &s.m, scene);
-    direction g = pull_covector(p, gradient), u = pull(p, v);
-    s.p = p;
-    s.cell = record[RECORD_CELL];
-    s.normal = scale_3(g, rsqrt(dot_3(g, g)));
-    s.viewer = scale_3(u, -rsqrt(dot_3(u, u)));
-    real3_lanes lit = scene_light(s, hit, max_steps, scene, &shadow_steps);
-    seen = select_3(hit, lit, seen);
-    normal = select_3(hit, s.normal, normal);
-  }
-  object = SELECT(hit, object, REAL(0));
-  seen = scene_air(seen, SELECT(hit, t, REAL(INFINITY)), scene);
+  r.hit = record[RECORD_END] > REAL(0);
+  mask out_of_steps = record[RECORD_END] > REAL(1);
+  work done = {REAL(0), REAL(0), REAL(0), record[RECORD_STEPS]};
+  done.distances += SELECT(NOT(out_of_steps) & (r.hit | (r.t > REAL(0))), REAL(1), REAL(0));
+  look first;
+  real3_lanes seen = scene_seen(r, &first, max_steps, scene, &done);
 
   // A NaN anywhere is a counted pixel of background.
-  real sum = seen.x + seen.y + seen.z + t;
+  real sum = seen.x + seen.y + seen.z + r.t;
   mask bad = NOT(sum == sum);
   seen = select_3(bad, scene_background(scene), seen);
   add_to(seen.x, SUM_COLOR, sample, pixels, stride);
   add_to(seen.y, SUM_COLOR + 1, sample, pixels, stride);
   add_to(seen.z, SUM_COLOR + 2, sample, pixels, stride);
   add_to(record[RECORD_STEPS], SUM_STEPS, sample, pixels, stride);
-  add_to(shadow_steps, SUM_SHADOW_STEPS, sample, pixels, stride);
-  add_to(SELECT(hit & NOT(bad), REAL(1), REAL(0)), SUM_HITS, sample, pixels, stride);
+  add_to(done.shadow_steps, SUM_SHADOW_STEPS, sample, pixels, stride);
+  add_to(done.reflection_steps, SUM_REFLECTION_STEPS, sample, pixels, stride);
+  add_to(done.light_solves, SUM_LIGHT_SOLVES, sample, pixels, stride);
+  add_to(done.distances, SUM_DISTANCES, sample, pixels, stride);
+  mask hit = r.hit & NOT(bad);
+  add_to(SELECT(hit, REAL(1), REAL(0)), SUM_HITS, sample, pixels, stride);
   add_to(SELECT(bad, REAL(1), REAL(0)), SUM_NAN, sample, pixels, stride);
-  add_to(SELECT(record[RECORD_END] > REAL(1), REAL(1), REAL(0)), SUM_OUT_OF_STEPS, sample, pixels, stride);
+  add_to(SELECT(out_of_steps, REAL(1), REAL(0)), SUM_OUT_OF_STEPS, sample, pixels, stride);
   if (sample == 0) {
-    hit &= NOT(bad);
-    STORE(SELECT(hit, t, REAL(INFINITY)), packet, pixels + (size_t)FIRST_DEPTH * stride);
-    STORE(SELECT(hit, normal.x, REAL(0)), packet, pixels + (size_t)FIRST_NORMAL * stride);
-    STORE(SELECT(hit, normal.y, REAL(0)), packet, pixels + (size_t)(FIRST_NORMAL + 1) * stride);
-    STORE(SELECT(hit, normal.z, REAL(0)), packet, pixels + (size_t)(FIRST_NORMAL + 2) * stride);
+    STORE(SELECT(hit, r.t, REAL(INFINITY)), packet, pixels + (size_t)FIRST_DEPTH * stride);
+    STORE(SELECT(hit, first.s.normal.x, REAL(0)), packet, pixels + (size_t)FIRST_NORMAL * stride);
+    STORE(SELECT(hit, first.s.normal.y, REAL(0)), packet, pixels + (size_t)(FIRST_NORMAL + 1) * stride);
+    STORE(SELECT(hit, first.s.normal.z, REAL(0)), packet, pixels + (size_t)(FIRST_NORMAL + 2) * stride);
     STORE(record[RECORD_STEPS], packet, pixels + (size_t)FIRST_STEPS * stride);
-    STORE(SELECT(hit, object, REAL(0)), packet, pixels + (size_t)FIRST_OBJECT * stride);
-    STORE(SELECT(hit, cell + REAL(1), REAL(0)), packet, pixels + (size_t)FIRST_CELL * stride);
+    STORE(SELECT(hit, first.object, REAL(0)), packet, pixels + (size_t)FIRST_OBJECT * stride);
+    STORE(SELECT(hit, first.cell + REAL(1), REAL(0)), packet, pixels + (size_t)FIRST_CELL * stride);
   }
 }

@@ -7,6 +7,7 @@ typedef struct {
   __constant const scalar *numbers;
   __global const int *next_cell;
   __global const scalar *seen_from;
+  int skipped;  // the number of the lamp that is left out of distances, or 0
 } scene_data;
 
 // The scene numbers every program has, first in the buffer.
@@ -87,12 +88,24 @@ FN real3_lanes three_numbers(scene_data scene, int k)
 
 FN real4_lanes four_numbers(scene_data scene, int k) { return with_w(three_numbers(scene, k), number(scene, k + 3)); }
 
-// How a surface answers light: Phong's three shares and exponent.
-typedef struct { real3_lanes color; real ambient, diffuse, specular, shininess; } material;
+// How a surface answers light: Phong's three shares and exponent; and how much of what is seen it mirrors.
+typedef struct {
+  real3_lanes color;
+  real ambient, diffuse, specular, shininess;
+#ifdef REFLECTIONS
+  real reflectivity;
+#endif
+} material;
 
 FN material select_material(mask m, material a, material b)
 {
   material r = {select_3(m, a.color, b.color), SELECT(m, a.ambient, b.ambient), SELECT(m, a.diffuse, b.diffuse),
                 SELECT(m, a.specular, b.specular), SELECT(m, a.shininess, b.shininess)};
+#ifdef REFLECTIONS
+  r.reflectivity = SELECT(m, a.reflectivity, b.reflectivity);
+#endif
   return r;
 }
+
+// What is counted of the work behind what a pixel shows, besides the steps of its own ray.
+typedef struct { real shadow_steps, reflection_steps, light_solves, distances; } work;

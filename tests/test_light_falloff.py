@@ -14,7 +14,7 @@ from thurston_cl.geometry import Geometry
 from thurston_cl.models import GEOMETRIES
 from thurston_cl.program import geometry_parts
 
-FALLOFFS = ("area", "inverse", "constant")
+FALLOFFS = ("area", "inverse", "inverse_square", "constant")
 # Up to so many times what a picture shows as white, at intensity 1, the law holds: falloff_*.h.
 LAW_HOLDS_TO = 1000.0
 ARRIVAL = "arrival a = {{IN(0), IN(1), IN(2)}, IN(3), IN(4), IN(4) == IN(4)}; OUT(0, falloff_NAME(a));"
@@ -46,12 +46,12 @@ def lengths_of(values: Array, precision: str) -> tuple[Array, Array]:
 def test_light_fades_by_its_law_until_it_is_far_brighter_than_white(
     geometry: str, precision: str, opencl_device: Device
 ) -> None:
-    """AREA_DENSITY_FLOOR and LENGTH_FLOOR, from above: neither dims what a picture may show."""
+    """AREA_DENSITY_FLOOR, LENGTH_FLOOR and SQUARE_LENGTH_FLOOR, from above: neither dims what a picture may show."""
     u, t = lengths_of(np.geomspace(1.0 / LAW_HOLDS_TO, 2.5, 60) * (1 + 1e-6), precision)
     area = Geometry(geometry, "double", opencl_device, lanes=4).area_density(
         u / np.linalg.norm(u, axis=1, keepdims=True), t
     )
-    laws = {"area": 1 / area, "inverse": 1 / t, "constant": np.ones_like(t)}
+    laws = {"area": 1 / area, "inverse": 1 / t, "inverse_square": t**-2.0, "constant": np.ones_like(t)}
     for falloff in FALLOFFS:
         for intensity in (1.0, 0.125):
             got = brightness(opencl_device, geometry, precision, falloff, u, t, intensity)
@@ -66,10 +66,10 @@ def test_light_fades_by_its_law_until_it_is_far_brighter_than_white(
 @both_precisions
 @all_geometries
 def test_light_has_a_greatest_brightness(geometry: str, precision: str, opencl_device: Device) -> None:
-    """AREA_DENSITY_FLOOR and LENGTH_FLOOR, from below: at the light it is brighter than the law needs, and in
+    """AREA_DENSITY_FLOOR, LENGTH_FLOOR and SQUARE_LENGTH_FLOOR, from below: at the light it is brighter than the law needs, and in
     a sum of single precision what else there is keeps a digit beside it."""
     u, t = lengths_of(np.concatenate([[0.0, 1e-30], 10.0 ** np.arange(-12.0, -3)]), precision)
-    for falloff in ("area", "inverse"):
+    for falloff in ("area", "inverse", "inverse_square"):
         got = brightness(opencl_device, geometry, precision, falloff, u, t)
         assert (got >= LAW_HOLDS_TO * (1 - 4 * EPSILON[precision])).all(), (falloff, got.min())
         assert (got <= 1 / EPSILON["single"]).all(), (falloff, got.max())

@@ -34,6 +34,7 @@ from thurston_cl.program import kernel_text
 # that is the constant's own name.
 R, T, M, S = "test_regimes", "test_twisted", "test_marching", "test_shapes_fibred"
 SOL = "test_shapes_sol"
+E = "test_effects"
 _ITERATIONS = f"{T}.test_the_bound_of_iterations_is_far_from_what_is_needed"
 _LENGTHS = f"{R}.test_lengths_go_on_over_the_seams_of_the_solver"
 _LIGHT = "test_light_falloff.test_light_fades_by_its_law_until_it_is_far_brighter_than_white"
@@ -145,7 +146,13 @@ SEAMS: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "light/falloff_area.h": {"AREA_DENSITY_FLOOR": (_LIGHT,)},
     "light/falloff_inverse.h": {"LENGTH_FLOOR": (_LIGHT,)},
-    "light/hard_shadow.h": {"SHADOW_LIFT": (_SHADOWS, "shadows: hard")},
+    "light/falloff_inverse_square.h": {"SQUARE_LENGTH_FLOOR": (_LIGHT,)},
+    "light/lifted_ray.h": {"SURFACE_LIFT": (_SHADOWS, "shadows: hard")},
+    "light/ambient_occlusion.h": {
+        "OCCLUSION_HEIGHTS": (f"{E}.test_ambient_occlusion_beside_a_wall", "OCCLUSION_HEIGHTS"),
+        "OCCLUSION_RATIO": (f"{E}.test_ambient_occlusion_beside_a_wall", "OCCLUSION_RATIO"),
+        "OCCLUSION_TELEPORTS": (f"{E}.test_ambient_occlusion_beyond_walls", "reach: 3"),
+    },
     "march.h": {"WALL_SLACK": ("test_fibred_cells.test_rays_hit_the_first_ball_of_the_orbit", "over_walls")},
 }
 # Named, but no seams: what a geometry is, and pi.

@@ -525,7 +525,7 @@ MISTAKES = {
     "misspelt falloff": Mistake(
         f"{E3}lights: [point: {{at: [0, 0, 1], falloff: invers}}]\n",
         "3:42",
-        "'invers' is not one of: area, inverse, constant",
+        "'invers' is not one of: area, inverse, inverse-square, constant",
         "did you mean 'inverse'?",
     ),
     # Camera
@@ -797,10 +797,75 @@ MISTAKES = {
         "a light has only one of 'sun' and 'point'",
         "begin each light with '- '",
     ),
-    "soft shadows": Mistake(
-        f"{E3}lights: [{{point: {{at: [0, 0, 1]}}, shadows: soft}}]\n",
+    "soft misspelt": Mistake(
+        f"{E3}lights: [{{point: {{at: [0, 0, 1]}}, shadows: sofft}}]\n",
         "3:44",
-        "shadows can only be 'hard', not 'soft'",
+        "expected hard or soft, found 'sofft'",
+        "did you mean 'soft'?",
+    ),
+    "no shadows": Mistake(
+        f"{E3}lights: [{{point: {{at: [0, 0, 1]}}, shadows: false}}]\n",
+        "3:44",
+        "expected hard or soft, found false",
+        "leave shadows out for none",
+    ),
+    "both kinds of shadows": Mistake(
+        f"{E3}lights: [{{point: {{at: [0, 0, 1]}}, shadows: {{hard: {{}}, soft: {{}}}}}}]\n",
+        "3:55",
+        "shadows has only one of 'hard' and 'soft'",
+    ),
+    "all geodesics": Mistake(
+        f"{S3}lights: [point: {{at: [0, 0, 1], geodesics: all}}]\n",
+        "3:44",
+        "expected a whole number or a greatest length, found 'all'",
+        "write 'geodesics: {within: LENGTH}'",
+    ),
+    "geodesics within nothing": Mistake(
+        f"{S3}lights: [point: {{at: [0, 0, 1], geodesics: {{within: 0}}}}]\n",
+        "3:53",
+        "within must be greater than 0; this is 0",
+    ),
+    "a light's ball around the sphere": Mistake(
+        f"{S3}lights: [point: {{at: [0, 0, 1], ball: 3.2}}]\n",
+        "3:39",
+        "in s3 the radius of a ball is less than π; this is 3.2",
+        schema=False,
+    ),
+    "a ball for one light": Mistake(
+        f"{S3}manifold: poincare\nlights: [point: {{at: [0, 0, 1], ball: 0.1, repeated: false}}]\n",
+        "4:33",
+        "the ball of a light stands in every cell, and this light does not",
+        "leave ball out, or 'repeated: false'",
+        schema=False,
+    ),
+    "reflectivity without reflections": Mistake(
+        "geometry: e3\nobjects: [{ball: {radius: 1}, material: {reflectivity: 0.5}}]\n",
+        "2:41",
+        "a material with reflectivity needs reflections, which this scene does not call for",
+        "add 'effects: {reflections: {depth: 1}}'",
+        schema=False,
+    ),
+    "reflections without a mirror": Mistake(
+        f"{E3}effects: {{reflections: {{depth: 2}}}}\n",
+        "3:11",
+        "no object has a material with reflectivity",
+        "give a material 'reflectivity: 0.5'",
+        schema=False,
+    ),
+    "many reflections": Mistake(
+        "geometry: e3\nobjects: [{ball: {radius: 1}, material: {reflectivity: 0.5}}]\n"
+        "effects: {reflections: {depth: 9}}\n",
+        "3:32",
+        "depth must be at most 8; this is 9",
+    ),
+    "mirror": Mistake(
+        "geometry: e3\nobjects: [{ball: {radius: 1}, material: {mirror: 0.5}}]\n",
+        "2:42",
+        "unknown key 'mirror'",
+        "write 'reflectivity: 0.5'",
+    ),
+    "occlusion without reach": Mistake(
+        f"{E3}effects: {{ambient-occlusion: {{}}}}\n", "3:30", "ambient occlusion needs the key 'reach'"
     ),
     "shadows inside": Mistake(
         f"{E3}lights: [point: {{at: [0, 0, 1], shadows: hard}}]\n",
@@ -837,10 +902,18 @@ MISTAKES = {
         f"{E3}effects: {{fog: {{density: 1}}}}\n", "3:17", "unknown key 'density'", "inside 'exponential'"
     ),
     "linear fog": Mistake(
-        f"{E3}effects: {{fog: {{linear: {{}}}}}}\n", "3:17", "unknown key 'linear'", "exponential fog only"
+        f"{E3}effects: {{fog: {{linear: {{}}}}}}\n", "3:25", "linear fog needs the key 'length'"
+    ),
+    "two fogs": Mistake(
+        f"{E3}effects: {{fog: {{linear: {{length: 1}}, exponential: {{density: 1}}}}}}\n",
+        "3:38",
+        "fog has only one of 'linear' and 'exponential'",
     ),
     "reflections": Mistake(
-        f"{E3}effects: {{reflections: 2}}\n", "3:11", "unknown key 'reflections'", "not rendered yet"
+        f"{E3}effects: {{reflections: 2}}\n",
+        "3:24",
+        "expected reflections, found 2",
+        "for example reflections: {depth: 2}",
     ),
     # Settings and outputs
     "part of a sample": Mistake(

@@ -44,16 +44,25 @@ REFILL_ITEMS = 8
 REFILL_BELOW_UTILISATION = 0.6
 
 # The channels of a tile in render.cl: what is counted per pixel over all samples, and where the others stand.
-COUNTS = {"steps": 3, "shadow_steps": 4, "hits": 5, "nan": 6, "out_of_steps": 7}
+COUNTS = {
+    "steps": 3,
+    "shadow_steps": 4,
+    "reflection_steps": 5,
+    "light_solves": 6,
+    "distance_evaluations": 7,
+    "hits": 8,
+    "nan": 9,
+    "out_of_steps": 10,
+}
 _PLACES = {
     "beauty": (0, 1, 2),
-    "depth": (8,),
-    "normal": (9, 10, 11),
-    "steps": (12,),
-    "object": (13,),
-    "cell": (14,),
+    "depth": (11,),
+    "normal": (12, 13, 14),
+    "steps": (15,),
+    "object": (16,),
+    "cell": (17,),
 }
-_TILE_CHANNELS = 15
+_TILE_CHANNELS = 18
 _RECORD_COMPONENTS = 12
 
 

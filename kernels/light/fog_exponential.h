@@ -1,6 +1,3 @@
-// fog_exponential.h - distance fog by the Beer-Lambert law (paper eq. 5.5, 5.6). Numbers: density; colour.
-FN real3_lanes fog_exponential(real3_lanes seen, real t, scene_data scene, int k)
-{
-  real clear = exp(-number(scene, k) * t);
-  return add_scaled_3(scale_3(seen, clear), three_numbers(scene, k + 1), REAL(1) - clear);
-}
+// fog_exponential.h - the fraction of light that is left after a length in fog, by the Beer-Lambert law (paper eq. 5.5). Number:
+// density.
+FN real fog_exponential(real length, scene_data scene, int k) { return exp(-number(scene, k) * length); }

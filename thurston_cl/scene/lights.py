@@ -1,18 +1,19 @@
-"""Lights, and what light does on its way."""
+"""Lights, and the shadows that they throw."""
 
 import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, ValidationInfo
 
 from thurston_cl.models import LEFT_INVARIANT, PRODUCTS
 
 from .base import Node, Problem, problem, shown
-from .context import Context
+from .context import Context, context_of
 from .points import Point
+from .shapes import fits
 from .suggest import did_you_mean
-from .values import Also, ColorValue, Count, Direction, Flag, Positive, Says, color
+from .values import Also, ColorValue, Count, Direction, Flag, Positive, Says, color, whole_number
 
 if TYPE_CHECKING:
     from thurston_cl.lattice import Lattice
@@ -21,6 +22,26 @@ if TYPE_CHECKING:
 MOST_GEODESICS = 1000
 # How far a vector may be off and still be the same, in parts of its size: far above rounding.
 _SAME_DIRECTION = 1e-9
+
+
+class Within(Node):
+    """All geodesics up to a length."""
+
+    what = "a greatest length"
+    example = "geodesics: {within: 12}"
+
+    within: Positive = Field(description="The length of the longest that counts.")
+
+
+def _geodesics(value: Any, info: ValidationInfo) -> Any:
+    if value == "all":
+        help = "most points are joined by infinitely many; write 'geodesics: {within: LENGTH}'"
+        raise problem("expected a whole number or a greatest length, found 'all'", help)
+    if isinstance(value, dict):
+        return Within.model_validate(value, context=context_of(info))
+    if not isinstance(value, Within) and whole_number(value) < 1:
+        raise problem(f"geodesics must be at least 1; this is {shown(value)}")
+    return value
 
 
 class PointLight(Node):
@@ -37,11 +58,16 @@ class PointLight(Node):
         default=1.0,
         description="Its strength; 1 gives full light where the falloff is 1: at area density 1 or length 1.",
     )
-    falloff: Literal["area", "inverse", "constant"] = Field(
+    ball: Positive | None = Field(
+        default=None,
+        description="Radius of a ball of its color that shows where it stands, and that does not shade it. "
+        "Left out: the light is not seen itself.",
+    )
+    falloff: Literal["area", "inverse", "inverse-square", "constant"] = Field(
         default="area",
         description="How it fades with the length of the geodesic: `area` is what the geometry does, 1/area "
-        "density; `inverse` is 1/length; `constant` does not fade (paper, 5.9). Default `constant` with "
-        "`direction: straight`, which has no `area`.",
+        "density; `inverse` is 1/length, `inverse-square` 1/length²; `constant` does not fade (paper, 5.9). "
+        "Default `constant` with `direction: straight`, which has no `area`.",
     )
     direction: Literal["geodesic", "straight"] = Field(
         default="geodesic",
@@ -49,10 +75,14 @@ class PointLight(Node):
         "the `straight` line of coordinates about the point that it falls on (paper, 5.9 and 11.6), without "
         "shadows.",
     )
-    geodesics: Count = Field(
+    geodesics: Annotated[
+        Count | Within,
+        BeforeValidator(lambda v, info: _geodesics(v, info)),
+        Says("whole number ≥ 1, or `{within: LENGTH}`"),
+    ] = Field(
         default=1,
-        description="Along how many geodesics it shines, shortest first. Default 2 in s3 and s2xe; "
-        "elsewhere 1. In e3, h3 and h2xe there is one.",
+        description="Along how many geodesics it shines, shortest first; or along all that are no longer "
+        "than a length. Default 2 in s3 and s2xe; elsewhere 1. In e3, h3 and h2xe there is one.",
     )
     translates: Annotated[
         Count | Literal["neighbours"],
@@ -71,6 +101,16 @@ class PointLight(Node):
         "from 131072 in columns along the fiber; others are dark.",
     )
 
+    @property
+    def within(self) -> float | None:
+        """The length up to which all geodesics count; None where their number is given."""
+        return self.geodesics.within if isinstance(self.geodesics, Within) else None
+
+    @property
+    def most_geodesics(self) -> int:
+        """The number of geodesics that are looked for."""
+        return MOST_GEODESICS if isinstance(self.geodesics, Within) else self.geodesics
+
     @classmethod
     def fill(cls, data: dict[str, Any], context: Context) -> None:
         data.setdefault("geodesics", usual_geodesics(context.geometry))
@@ -80,14 +120,19 @@ class PointLight(Node):
             data.setdefault("translates", 1)
 
     def check(self, context: Context) -> Iterator[Problem]:
-        if context.geometry in ("e3", "h3", "h2xe") and self.geodesics > 1:
+        if context.geometry in ("e3", "h3", "h2xe") and self.most_geodesics > 1 and self.within is None:
             message = f"in {context.geometry} only one geodesic joins two points, not {self.geodesics}"
             yield Problem(("geodesics",), message, "leave it out")
         if self.direction == "straight":
             yield from self._check_straight(context)
-        if self.geodesics > MOST_GEODESICS:
+        if self.most_geodesics > MOST_GEODESICS:
             message = f"{self.geodesics} geodesics are more than anyone will wait for"
             yield Problem(("geodesics",), message, f"at most {MOST_GEODESICS}")
+        if self.ball is not None:
+            yield from fits(context, "ball", self.ball, "π", "the radius of a ball")
+            if not self.repeated:
+                message = "the ball of a light stands in every cell, and this light does not"
+                yield Problem(("ball",), message, "leave ball out, or 'repeated: false'", True)
         if context.geometry is not None and not context.manifold and self.translates != 1:
             yield Problem(
                 ("translates",), "translates needs a manifold", "leave it out, or add 'manifold: NAME'", True
@@ -105,7 +150,7 @@ class PointLight(Node):
         if self.falloff == "area":
             message = "what comes along a straight line has no area density"
             yield Problem(("falloff",), message, "write inverse or constant")
-        if self.geodesics > 1:
+        if self.most_geodesics > 1:
             message = "only one straight line joins two points"
             yield Problem(("geodesics",), message, "leave geodesics out, or 'direction: straight'", True)
 
@@ -173,6 +218,47 @@ def _translates(value: Any) -> Any:
     return value
 
 
+class HardShadows(Node):
+    """Shadows with sharp edges, as light from a point throws (paper, 5.2)."""
+
+    what = "hard shadows"
+
+
+class SoftShadows(Node):
+    """Shadows with soft edges: the nearer light passes by an object, the darker (paper, 5.2)."""
+
+    what = "soft shadows"
+    example = "soft: {sharpness: 5}"
+
+    sharpness: Positive = Field(
+        default=8.0,
+        description="The K of eq. 5.4: light is dimmed that passes an object by less than the angle 1/K, as "
+        "seen from the surface; the larger, the harder the shadow.",
+    )
+
+
+class Shadows(Node):
+    """How objects shade a light."""
+
+    what = "shadows"
+    example = "shadows: {soft: {sharpness: 5}}"
+    one_of = ("hard", "soft")
+
+    hard: HardShadows | None = Field(
+        default=None, description="A place is lit or not. Short: `shadows: hard`."
+    )
+    soft: SoftShadows | None = Field(default=None, description="Softer edges. Short: `shadows: soft`.")
+
+
+def _shadows(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, (dict, Shadows)):
+        return value
+    if value not in Shadows.one_of:
+        help = did_you_mean(value, Shadows.one_of) if isinstance(value, str) else None
+        raise problem(f"expected hard or soft, found {shown(value)}", help or "leave shadows out for none")
+    return Shadows.model_validate({value: {}}, context=context_of(info))
+
+
 class Light(Node):
     """A source of light, and what is worked out for it."""
 
@@ -187,9 +273,12 @@ class Light(Node):
         default=None, description="A light that shines from one point in all directions."
     )
     sun: Sun | None = Field(default=None, description="A light that comes from one direction everywhere.")
-    shadows: Literal["hard"] | None = Field(
-        default=None, description="Left out: no shadows are worked out for this light."
-    )
+    shadows: Annotated[
+        Shadows | None,
+        BeforeValidator(_shadows),
+        Also(({"enum": ["hard", "soft"]},)),
+        Says("`hard`, `soft`, or [shadows](#shadows)"),
+    ] = Field(default=None, description="Left out: no shadows are worked out for this light.")
 
     def check(self, context: Context) -> Iterator[Problem]:
         if self.shadows is not None and self.point is not None and self.point.direction == "straight":
@@ -199,37 +288,3 @@ class Light(Node):
     @classmethod
     def _split(cls) -> str:
         return "begin each light with '- '"
-
-
-class ExponentialFog(Node):
-    """Fog that takes the same fraction of light on every unit of length."""
-
-    what = "exponential fog"
-    example = "exponential: {density: 0.15}"
-
-    density: Positive = Field(description="Light is dimmed by exp(−density · length).")
-    color: ColorValue = Field(default=color("black"), description="What is seen where the fog is thick.")
-
-
-class Fog(Node):
-    """How light fades along a ray."""
-
-    what = "fog"
-    example = "fog: {exponential: {density: 0.15}}"
-    one_of = ("exponential",)
-    hints: ClassVar[Mapping[str, str]] = {"linear": "this version has exponential fog only"}
-
-    exponential: ExponentialFog = Field(description="The same fraction on every unit of length.")
-
-
-class Effects(Node):
-    """What is simulated besides direct light; what is not named costs nothing."""
-
-    what = "a list of effects by name"
-    example = "effects: {fog: {exponential: {density: 0.15}}}"
-    hints: ClassVar[Mapping[str, str]] = {
-        "reflections": "reflections are not rendered yet; available: fog",
-        "shadows": "shadows belong to a light: write '- point: {...}' and below it 'shadows: hard'",
-    }
-
-    fog: Fog | None = Field(default=None, description="How light fades along a ray. Left out: it does not.")

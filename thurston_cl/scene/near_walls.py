@@ -39,7 +39,7 @@ def choose_near_walls(scene: schema.Scene) -> str:
         return "whole space"
     if scene.render.distance != "auto":
         return scene.render.distance
-    symmetric = scene.lattice.is_dirichlet and all(_symmetric_hollow(solid) for solid in scene.objects)
+    symmetric = scene.lattice.is_dirichlet and all(_symmetric_hollow(solid) for solid in scene.solids)
     return "domain" if symmetric else "images"
 
 

@@ -14,11 +14,11 @@ from thurston_cl.geometry import for_few_points
 from thurston_cl.lattice import cell_table
 from thurston_cl.lattice.prism import Prism
 from thurston_cl.program import Source, geometry_parts
-from thurston_cl.scene import schema
+from thurston_cl.scene import effect_files, schema
 from thurston_cl.scene.near_walls import choose_near_walls
 from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import CameraFrame, Placement
-from thurston_cl.scene.write_light import write_air, write_lights
+from thurston_cl.scene.write_light import write_air, write_lights, write_seen
 from thurston_cl.scene.write_objects import write_objects
 from thurston_cl.scene.write_walls import write_walls
 from thurston_cl.scene.writer import Writer
@@ -46,33 +46,6 @@ CELL_TABLE = 4096
 # rays go, over the nearest cells of the base. Beyond these windows are finer than a pixel.
 LIT_CELLS = 131072
 
-# What a scene may name, and the file that is pasted only then.
-EFFECT_FILES = {
-    "hard shadows": "light/hard_shadow.h",
-    "exponential fog": "light/fog_exponential.h",
-    "checker": "pattern/checker.h",
-    "grid": "pattern/grid.h",
-    "bands": "pattern/bands.h",
-    "light fading as 1/length": "light/falloff_inverse.h",
-    "light that does not fade": "light/falloff_constant.h",
-    "light along straight lines": "light/direction_field.h",
-    "sun": "light/sun.h",
-    "cell ids": "cells.h",
-}
-
-
-# Shadows build on lights; fog comes last.
-EFFECT_ORDER = (
-    "light/point.h",
-    "light/direction_field.h",
-    "light/sun.h",
-    "light/falloff_area.h",
-    "light/falloff_inverse.h",
-    "light/falloff_constant.h",
-    "light/hard_shadow.h",
-    "light/fog_exponential.h",
-)
-
 
 @dataclass
 class Plan:
@@ -97,12 +70,12 @@ class Plan:
     @property
     def left_out(self) -> list[str]:
         """Effects that exist, and that this scene does not name: their files are not in the source."""
-        return [effect for effect, file in EFFECT_FILES.items() if file not in self.parts]
+        return effect_files.left_out(self.parts)
 
     @property
     def called_for(self) -> list[str]:
         """Effects that this scene names."""
-        return [effect for effect, file in EFFECT_FILES.items() if file in self.parts]
+        return effect_files.called_for(self.parts)
 
     def explain(self) -> dict[str, str]:
         """What the scene calls for and what is left out, in the order in which to say it."""
@@ -136,12 +109,14 @@ def make_plan(
     device: Device | None = None,
     size: tuple[int, int] | None = None,
     channels: Collection[str] = (),
+    switch: bool | None = None,
 ) -> Plan:
     """Decide what a scene needs and write its program.
 
     Places things with the kernels of `device`, in double where it has that, whatever the precision of the
-    picture. `size` replaces the scene's, `channels` are wanted beside those of the scene's outputs. Raises
-    SceneError for what can only be seen here, such as a camera that no group element leads into the cell.
+    picture. `size` replaces the scene's, `channels` are wanted beside those of the scene's outputs.
+    `switch`: see `Writer`; for measurements only. Raises SceneError for what can only be seen here, such as a
+    camera that no group element leads into the cell.
     """
     device = device or devices.choose()
     wanted = {channel for output in scene.outputs for channel in output.channels} | set(channels)
@@ -149,7 +124,7 @@ def make_plan(
     numbers = Numbers([scene.render.threshold, _far(scene)])
     place = Placement(geometry)
     cells, next_cell = _cells(scene, wanted)
-    writer = Writer(scene, geometry, numbers, choose_near_walls(scene), cells)
+    writer = Writer(scene, geometry, numbers, choose_near_walls(scene), cells, switch)
     camera = _camera(scene, place)
 
     object_images = write_objects(writer)
@@ -158,9 +133,11 @@ def make_plan(
     objects = writer.text()
     light_images = write_lights(writer, camera)
     write_air(writer)
+    light = writer.text()
+    write_seen(writer)
     if writer.cell_ids:
         writer.parts.add("cells.h")
-    generated = {"scene objects": objects, "scene light": writer.text()}
+    generated = {"scene objects": objects, "scene light": light, "scene seen": writer.text()}
     source = Source(_order(scene.geometry, writer.parts), _defines(writer), generated)
     return Plan(
         scene,
@@ -224,8 +201,12 @@ def _cells(scene: schema.Scene, wanted: Collection[str]) -> tuple[NDArray[np.flo
 
 
 def _defines(writer: Writer) -> dict[str, str | int]:
-    """The defines that a lattice takes."""
+    """The defines that effects and a lattice take."""
     defines: dict[str, str | int] = {}
+    if "light/reflection.h" in writer.parts:
+        defines["REFLECTIONS"] = 1
+    if "light/shadow_ray.h" in writer.parts and "light/point.h" in writer.parts:
+        defines["POINT_SHADOWS"] = 1
     if writer.lattice is not None:
         defines["IN_QUOTIENT"] = 1
         if writer.creeping:
@@ -241,7 +222,7 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
     def under(*folders: str) -> list[str]:
         return sorted(part for part in parts if part.split("/")[0] in folders)
 
-    lights = [part for part in EFFECT_ORDER if part in parts]
+    before, after = effect_files.light_parts(parts)
     return (
         *geometry_parts(geometry),
         "scene_types.h",
@@ -249,8 +230,9 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         "march.h",
         *under("cells.h", "camera"),
         "scene objects",
-        "light/phong.h",
-        *lights,
+        *before,
         "scene light",
+        *after,
+        "scene seen",
         "render.cl",
     )

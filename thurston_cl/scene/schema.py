@@ -4,7 +4,7 @@ Lengths are in units of the geometry's curvature (in e3, of the scene's own choi
 unit; angles carry theirs. Vectors are components in the frame at the point they belong to. Checks that need
 the rest of the scene ask the `Context`, so that one pass reports every mistake at once."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr
@@ -12,10 +12,11 @@ from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr
 from thurston_cl.errors import SceneError
 from thurston_cl.models import GEOMETRIES
 
-from .base import Node, problem, shown
+from .base import Node, Problem, problem, shown
 from .camera import Camera, Look, Perspective, Projection, Step
 from .context import Context
-from .lights import Effects, ExponentialFog, Fog, Light, PointLight, Sun
+from .effects import AmbientOcclusion, Effects, ExponentialFog, Fog, LinearFog, Reflections
+from .lights import HardShadows, Light, PointLight, Shadows, SoftShadows, Sun, Within
 from .manifold import ManifoldValue, MatrixLattice, TorusBundle
 from .parse import Location
 from .points import ModelPoint, Point
@@ -33,6 +34,7 @@ from .shapes import (
     Slab,
     Solid,
     Tile,
+    lamp,
 )
 from .source import Problems, SceneSource
 from .suggest import nearest
@@ -148,6 +150,32 @@ class Scene(Node):
                 self._lattice = self.manifold.lattice(self.geometry)
         return self._lattice
 
+    @property
+    def solids(self) -> tuple[Object, ...]:
+        """The objects, and after them the balls that show where lights stand: the numbering of object ids."""
+        return (*self.objects, *self.lamps.values())
+
+    @property
+    def lamps(self) -> dict[int, Object]:
+        """The balls that show where lights stand, by the index of the light."""
+        return {
+            k: lamp(light.point.at, light.point.ball, light.point.color)
+            for k, light in enumerate(self.lights)
+            if light.point is not None and light.point.ball is not None
+        }
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        depth = None if self.effects.reflections is None else self.effects.reflections.depth
+        mirrors = [k for k, item in enumerate(self.objects) if item.material.reflectivity > 0]
+        if mirrors and depth is None:
+            message = "a material with reflectivity needs reflections, which this scene does not call for"
+            help = "add 'effects: {reflections: {depth: 1}}', or leave reflectivity out"
+            yield Problem(("objects", mirrors[0], "material"), message, help)
+        elif depth is not None and not mirrors:
+            message = "no object has a material with reflectivity"
+            help = "leave reflections out, or give a material 'reflectivity: 0.5'"
+            yield Problem(("effects", "reflections"), message, help, True)
+
     def remember(self, source: SceneSource, lattice: "Lattice | None") -> None:
         """Keep what is known from loading; only the loader calls this."""
         self._source, self._lattice = source, lattice
@@ -180,6 +208,7 @@ class Scene(Node):
 __all__ = [
     "FORMAT_VERSION",
     "GEOMETRIES",
+    "AmbientOcclusion",
     "Ball",
     "Bands",
     "Camera",
@@ -192,8 +221,10 @@ __all__ = [
     "Fog",
     "Grid",
     "HalfSpace",
+    "HardShadows",
     "Horoball",
     "Light",
+    "LinearFog",
     "Look",
     "Material",
     "MatrixLattice",
@@ -207,14 +238,18 @@ __all__ = [
     "Projection",
     "PseudoBall",
     "PseudoCylinder",
+    "Reflections",
     "RenderSettings",
     "Rotation",
     "Scene",
+    "Shadows",
     "Shape",
     "Slab",
+    "SoftShadows",
     "Solid",
     "Step",
     "Sun",
     "Tile",
     "TorusBundle",
+    "Within",
 ]

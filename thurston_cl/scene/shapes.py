@@ -12,7 +12,7 @@ from .base import Node, Problem, problem, shown
 from .context import Context, context_of
 from .points import Point
 from .surfaces import Material, MaterialValue
-from .values import Angle, AtLeast, Direction, Number, OneOrMore, Positive, Says
+from .values import Angle, AtLeast, Color, Direction, Number, OneOrMore, Positive, Says
 
 # How far an angle may be off a half turn, in half turns: rounding, since people write '180 deg'.
 _HALF_TURN = 1e-12
@@ -40,7 +40,7 @@ class Ball(Shape):
     radius: Positive = Field(description="Radius of the ball; less than π in s3 and s2xe.")
 
     def check(self, context: Context) -> Iterator[Problem]:
-        yield from _fits(context, "radius", self.radius, "π", "the radius of a ball")
+        yield from fits(context, "radius", self.radius, "π", "the radius of a ball")
 
 
 class Cylinder(Shape):
@@ -71,11 +71,11 @@ class Cylinder(Shape):
                 context, "along", self.along, "a cylinder", horizontal=context.geometry in PRODUCTS
             )
             if self.along[2] == 0:
-                yield from _fits(context, "radius", self.radius, "π/2", "the radius of a horizontal cylinder")
+                yield from fits(context, "radius", self.radius, "π/2", "the radius of a horizontal cylinder")
             else:
-                yield from _fits(context, "radius", self.radius, "π", "the radius of a cylinder")
+                yield from fits(context, "radius", self.radius, "π", "the radius of a cylinder")
         else:
-            yield from _fits(context, "radius", self.radius, "π/2", "the radius of a cylinder")
+            yield from fits(context, "radius", self.radius, "π/2", "the radius of a cylinder")
 
 
 class HalfSpace(Shape):
@@ -109,7 +109,7 @@ class HalfSpace(Shape):
     def check(self, context: Context) -> Iterator[Problem]:
         yield from _has_plane(context, self.normal, "the normal of a half-space")
         if context.geometry == "s3" or self.normal[2] == 0:
-            yield from _fits(context, "offset", self.offset, "π/2", "an offset, to either side,")
+            yield from fits(context, "offset", self.offset, "π/2", "an offset, to either side,")
         yield from _is_near(context, "offset", self.offset)
         if "crossing" in self.model_fields_set and context.geometry is not None:
             if context.geometry not in TWISTED:
@@ -138,7 +138,7 @@ class Slab(Shape):
     def check(self, context: Context) -> Iterator[Problem]:
         yield from _has_plane(context, self.normal, "the normal of a slab")
         if context.geometry == "s3" or self.normal[2] == 0:
-            yield from _fits(context, "thickness", self.thickness, "π", "the thickness of a slab")
+            yield from fits(context, "thickness", self.thickness, "π", "the thickness of a slab")
         yield from _is_near(context, "thickness", 0.5 * self.thickness)
 
 
@@ -173,7 +173,7 @@ class Tile(Shape):
     def check(self, context: Context) -> Iterator[Problem]:
         for key, radius in (("ball", self.ball), ("vertices", self.vertices), ("edges", self.edges)):
             if radius is not None:
-                yield from _fits(context, key, radius, "π", "the radius of a ball")
+                yield from fits(context, key, radius, "π", "the radius of a ball")
         if context.lattice is None:
             return
         polyhedron = context.lattice.polyhedron
@@ -220,7 +220,7 @@ class PseudoCylinder(Shape):
             yield Problem(("along",), message, f"write [0, 0, 1] or [{x:g}, {y:g}, 0]")
 
 
-def _fits(context: Context, key: str, value: float, bound: str, what: str) -> Iterator[Problem]:
+def fits(context: Context, key: str, value: float, bound: str, what: str) -> Iterator[Problem]:
     """In s3 and on the sphere of s2xe nothing is further away than π, no plane or line further than π/2."""
     if context.geometry in ("s3", "s2xe") and abs(value) >= {"π": math.pi, "π/2": math.pi / 2}[bound]:
         message = f"in {context.geometry} {what} is less than {bound}; this is {shown(value)}"
@@ -421,3 +421,9 @@ class Object(Solid):
 
     material: MaterialValue = Field(default=Material(), description="What the surface is made of.")
     name: str | None = Field(default=None, description="A name, for messages and statistics.")
+
+
+def lamp(at: Point, radius: float, light: Color) -> Object:
+    """The ball that shows where a light stands: of its color, and as bright whatever falls on it."""
+    glow = Material(color=light, ambient=1.0, diffuse=0.0, specular=0.0)
+    return Object(ball=Ball(radius=radius), at=at, material=glow)

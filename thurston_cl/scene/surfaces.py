@@ -134,9 +134,8 @@ class Material(Node):
         "checker": "a pattern is a color: write 'color: {checker: ...}'",
         "grid": "a pattern is a color: write 'color: {grid: ...}'",
         "bands": "a pattern is a color: write 'color: {bands: ...}'",
-        "reflection": "mirrors are not rendered yet",
-        "reflectivity": "mirrors are not rendered yet",
-        "mirror": "mirrors are not rendered yet",
+        "reflection": "did you mean 'reflectivity'?",
+        "mirror": "write 'reflectivity: 0.5', and 'reflections: {depth: 1}' in the effects of the scene",
     }
 
     color: Paint = Field(default=color("#e9e2d6"), description="The color of the surface.")
@@ -148,6 +147,11 @@ class Material(Node):
     specular: Weight = Field(default=0.2, description="Weight of the highlight.")
     shininess: Positive = Field(
         default=20.0, description="Exponent of the highlight; larger is smaller and sharper."
+    )
+
+    reflectivity: Weight = Field(
+        default=0.0,
+        description="How much of what is seen there is a mirror's; needs [reflections](#reflections).",
     )
 
     @classmethod

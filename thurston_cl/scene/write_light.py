@@ -37,10 +37,20 @@ class _Asked:
     """What a light asks for. Lights that ask for the same share a loop."""
 
     geodesics: int
+    within: float | None = None
     direction: str = "geodesic"
-    shadowed: bool = False
+    shadows: schema.Shadows | None = None
     falloff: str = "area"
     repeated: bool = True
+
+
+@dataclass(frozen=True)
+class _Image:
+    """One image of a point light: its point (4,), its colour times intensity, the number of its ball or 0."""
+
+    point: Array
+    color: Array
+    lamp: int = 0
 
 
 def write_lights(writer: Writer, camera: CameraFrame) -> int:
@@ -48,71 +58,98 @@ def write_lights(writer: Writer, camera: CameraFrame) -> int:
 
     Returns the number of images in all.
     """
-    loops: dict[_Asked, list[tuple[Array, Array]]] = {}
-    for k, light in enumerate(writer.scene.lights):
-        point, shadowed = light.point, light.shadows == "hard"
+    scene, loops = writer.scene, dict[_Asked, list[_Image]]()
+    lamps = dict(zip(scene.lamps, range(len(scene.objects) + 1, len(scene.solids) + 1), strict=True))
+    for k, light in enumerate(scene.lights):
+        point = light.point
         if point is None:
             continue
-        asked = _Asked(point.geodesics, point.direction, shadowed, point.falloff, point.repeated)
+        asked = _Asked(
+            point.most_geodesics, point.within, point.direction, light.shadows, point.falloff, point.repeated
+        )
         color = np.array(point.color.linear) * point.intensity
         try:
             where = writer.place.point(point.at)
         except ValueError as error:
-            raise writer.scene.error_at(("lights", k, "point", "at"), str(error)) from error
+            raise scene.error_at(("lights", k, "point", "at"), str(error)) from error
         images = where[None]
         if writer.lattice is not None and point.repeated:
             carried, _, ok = writer.lattice.teleport(where[None])
             if not ok[0]:
-                raise writer.scene.error_at(
+                raise scene.error_at(
                     ("lights", k, "point", "at"), "no group element leads this light into the cell"
                 )
             images = _images(writer.lattice, point.translates, carried[0])
-        loops.setdefault(asked, []).extend((image, color) for image in images)
-    if not writer.scene.lights:
+        loops.setdefault(asked, []).extend(_Image(image, color, lamps.get(k, 0)) for image in images)
+    if not scene.lights:
         loops[_Asked(usual_geodesics(writer.geometry.name))] = _default_lights(camera, writer)
-    body = ["real3_lanes seen = phong_ambient(s);"]
+    body = _ambient(writer)
     for asked, images_of in loops.items():
         body += _loop(writer, camera, asked, images_of)
-    suns = [light for light in writer.scene.lights if light.sun is not None]
+    suns = [light for light in scene.lights if light.sun is not None]
     for light in suns:
         body += _sun(writer, light)
     writer.function(
-        "real3_lanes scene_light(shading s, mask counted, int max_steps, scene_data scene,"
-        " real *shadow_steps)",
+        "real3_lanes scene_light(shading s, mask counted, int max_steps, scene_data scene, work *done)",
         [*body, "return seen;"],
     )
     return len(suns) + sum(len(images_of) for images_of in loops.values())
 
 
-def _loop(
-    writer: Writer, camera: CameraFrame, asked: _Asked, lights: Sequence[tuple[Array, Array]]
-) -> list[str]:
-    """Lines that add the light of `lights`, each a point (4,) and its colour times intensity."""
+def _ambient(writer: Writer) -> list[str]:
+    """Lines that begin with the light from everywhere."""
+    lines = ["real3_lanes seen = phong_ambient(s);"]
+    occlusion = writer.scene.effects.ambient_occlusion
+    if occlusion is not None:
+        place = writer.numbers.add([occlusion.reach, occlusion.strength])
+        left = f"ambient_occlusion(s, counted, scene, {place}, done)"
+        lines += writer.effect("light/ambient_occlusion.h", [f"seen = scale_3(seen, {left});"])
+    return lines
+
+
+def _loop(writer: Writer, camera: CameraFrame, asked: _Asked, lights: Sequence[_Image]) -> list[str]:
+    """Lines that add the light of `lights`."""
     known = ""
+    own = [[*light.color, light.lamp] if _skips(asked, lights) else [*light.color] for light in lights]
     if asked.repeated or writer.lattice is None:
-        size, place = 7, writer.numbers.add(number for light in lights for number in np.concatenate(light))
-        color = place + 4
-        light = f"point light = four_numbers(scene, {place} + 7 * i);"
+        place = writer.numbers.add(
+            number for light, more in zip(lights, own, strict=True) for number in (*light.point, *more)
+        )
+        size, color = 4 + len(own[0]), place + 4
+        light = f"point light = four_numbers(scene, {place} + {size} * i);"
     else:
         # Seen from each cell a light stands elsewhere; what the camera was carried by, it is carried by too.
         cells, first = inverse(writer.lattice.geometry, writer.cells), len(writer.seen_from)
-        for point, _ in lights:
-            writer.seen_from.append(act(writer.lattice.geometry, cells, camera.carry_along(point)))
-        size, color = 3, writer.numbers.add(number for _, light_color in lights for number in light_color)
+        for image in lights:
+            writer.seen_from.append(act(writer.lattice.geometry, cells, camera.carry_along(image.point)))
+        size, color = len(own[0]), writer.numbers.add(number for more in own for number in more)
         light, known = f"point light = seen_from_cell(s.cell, {first} + i, &known, scene);", " & known"
     straight = asked.direction == "straight"
     writer.parts |= {
         f"light/{'direction_field' if straight else 'point'}.h",
-        f"light/falloff_{asked.falloff}.h",
+        f"light/falloff_{asked.falloff.replace('-', '_')}.h",
     }
-    lines = [
-        f"arrival a = {'direction_field(s, light)' if straight else 'point_light(s, light, k)'};",
-        f"a.lit &= counted{known};",
-        f"a.intensity = falloff_{asked.falloff}(a);",
-    ]
-    if asked.shadowed:
-        writer.parts.add("light/hard_shadow.h")
-        lines.append("hard_shadow(s, &a, light, k, max_steps, scene, shadow_steps);")
+    counted = f"counted{known}"
+    lines = [f"arrival a = direction_field(s, light, {counted});"]
+    if not straight:
+        lines = [f"arrival a = point_light(s, light, k, {counted}, done);"]
+    if asked.within is not None:
+        writer.parts.add("light/within.h")
+        lines += [
+            f"mask arrives = arrives_within(a, number(scene, {writer.numbers.add([asked.within])}));",
+            f"if (!ANY(arrives & {counted})) break;",
+            "a.lit &= arrives;",
+        ]
+    lines.append(f"a.intensity = falloff_{asked.falloff.replace('-', '_')}(a);")
+    fog = writer.scene.effects.fog
+    if fog is not None and fog.on_lights:
+        lines += writer.effect("light/light_in_fog.h", ["a.intensity = light_in_fog(a, scene);"])
+    if asked.shadows is not None:
+        others = "scene"
+        if _skips(asked, lights):
+            others, lamp = "others", f"(int)scene.numbers[{color + 3} + {size} * i]"
+            lines += ["scene_data others = scene;", f"others.skipped = {lamp};"]
+        lines += _shadow(writer, asked.shadows, "towards_light(s, &a, light, k, scene, done)", others)
     lines += _seen(f"{color} + {size} * i")
     if not straight:
         lines = [f"for (int k = 0; k < {asked.geodesics}; k++) {{", *(f"  {line}" for line in lines), "}"]
@@ -125,6 +162,11 @@ def _loop(
     ]
 
 
+def _skips(asked: _Asked, lights: Sequence[_Image]) -> bool:
+    """Whether there is a ball that must not shade its own light."""
+    return asked.shadows is not None and any(light.lamp for light in lights)
+
+
 def _sun(writer: Writer, light: schema.Light) -> list[str]:
     """Lines that add the light of a sun."""
     assert light.sun is not None
@@ -132,11 +174,22 @@ def _sun(writer: Writer, light: schema.Light) -> list[str]:
     place = writer.numbers.add(
         [*light.sun.towards, *(light.sun.intensity * c for c in light.sun.color.linear)]
     )
-    lines = [f"arrival a = sun(s, three_numbers(scene, {place}));", "a.lit &= counted;"]
-    if light.shadows == "hard":
-        writer.parts.add("light/hard_shadow.h")
-        lines.append("sun_shadow(s, &a, max_steps, scene, shadow_steps);")
+    lines = [f"arrival a = sun(s, three_numbers(scene, {place}), counted);"]
+    if light.shadows is not None:
+        lines += _shadow(writer, light.shadows, "towards_sun(s, &a, scene)", "scene")
     return ["{", *(f"  {line}" for line in (*lines, *_seen(f"{place + 3}"))), "}"]
+
+
+def _shadow(writer: Writer, shadows: schema.Shadows, towards: str, scene: str) -> list[str]:
+    """Lines that shade the arrival `a`; `towards`: the ray to its source, `scene`: what it may meet."""
+    writer.parts |= {"light/lifted_ray.h", "light/shadow_ray.h"}
+    lines = [f"shadow_ray q = {towards};"]
+    if shadows.soft is None:
+        cast = f"hard_shadow(q, &a, max_steps, {scene}, done);"
+        return writer.effect("light/hard_shadow.h", [*lines, cast])
+    sharpness = f"number(scene, {writer.numbers.add([shadows.soft.sharpness])})"
+    cast = f"soft_shadow(q, &a, {sharpness}, max_steps, {scene}, done);"
+    return writer.effect("light/soft_shadow.h", [*lines, cast])
 
 
 def _seen(color: str) -> list[str]:
@@ -153,14 +206,14 @@ def _images(lattice: Lattice, translates: "int | str", point: Array) -> Array:
     return act(lattice.geometry, found, point)
 
 
-def _default_lights(camera: CameraFrame, writer: Writer) -> list[tuple[Array, Array]]:
+def _default_lights(camera: CameraFrame, writer: Writer) -> list[_Image]:
     lights, unit, intensity, lattice = DEFAULT_LIGHTS, 1.0, 1.0, writer.lattice
     if lattice is not None:
         lights, unit = DEFAULT_LIGHTS_IN_CELL, lattice.inradius
         intensity = float(writer.geometry.area_density([0.0, 0.0, 1.0], unit)[0])
         # What comes round the sphere adds to it.
         intensity /= usual_geodesics(writer.geometry.name)
-    placed: list[tuple[Array, Array]] = []
+    placed: list[_Image] = []
     for offset, color in lights:
         towards = unit * np.array(offset) @ camera.frame
         length = float(np.linalg.norm(towards))
@@ -170,19 +223,42 @@ def _default_lights(camera: CameraFrame, writer: Writer) -> list[tuple[Array, Ar
             # A ray sees in its cell what belongs to the neighbours too: the cool light fills it from there.
             images = _images(lattice, "neighbours", lattice.teleport(point[None])[0][0])
             strength *= FILL
-        placed += [(image, strength * np.array(color)) for image in images]
+        placed += [_Image(image, strength * np.array(color)) for image in images]
     return placed
 
 
 def write_air(writer: Writer) -> None:
+    """Add scene_background, scene_clear and scene_air: what is seen where nothing is hit, and fog."""
     background = writer.numbers.add(writer.scene.background.linear)
     writer.function(
         "real3_lanes scene_background(scene_data scene)", [f"return three_numbers(scene, {background});"]
     )
     fog = writer.scene.effects.fog
-    seen = "seen"
+    clear, air = ["return REAL(1);"], ["return seen;"]
     if fog is not None:
-        writer.parts.add("light/fog_exponential.h")
-        place = writer.numbers.add([fog.exponential.density, *fog.exponential.color.linear])
-        seen = f"fog_exponential(seen, t, scene, {place})"
-    writer.function("real3_lanes scene_air(real3_lanes seen, real t, scene_data scene)", [f"return {seen};"])
+        kind, amount, color = fog.law
+        place = writer.numbers.add([amount, *color.linear])
+        writer.parts.add("light/fog.h")
+        foggy = writer.effect(f"light/fog_{kind}.h", [f"return fog_{kind}(length, scene, {place});"])
+        clear = foggy if writer.switch is None else [*foggy, *clear]
+        air = [f"return in_fog(seen, left, three_numbers(scene, {place + 1}));"]
+    writer.function("real scene_clear(real length, scene_data scene)", clear)
+    writer.function("real3_lanes scene_air(real3_lanes seen, real left, scene_data scene)", air)
+
+
+def write_seen(writer: Writer) -> None:
+    """Add scene_seen: what a ray shows that has ended."""
+    writer.parts.add("light/look.h")
+    body = [
+        "*first = look_at(r, max_steps, scene, done);",
+        "return scene_air(first->color, scene_clear(SELECT(r.hit, r.t, REAL(INFINITY)), scene), scene);",
+    ]
+    if writer.reflections:
+        writer.parts |= {"light/lifted_ray.h", "light/reflection.h"}
+        # A number, so that scenes that differ in it share their program; 0 in a program that has it off.
+        depth = writer.numbers.add([0 if writer.switch is False else writer.reflections])
+        arguments = f"r, first, (int)scene.numbers[{depth}], max_steps, scene, done"
+        body = [f"return seen_with_reflections({arguments});"]
+    writer.function(
+        "real3_lanes scene_seen(ray r, look *first, int max_steps, scene_data scene, work *done)", body
+    )

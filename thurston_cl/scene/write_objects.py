@@ -40,8 +40,13 @@ def write_objects(writer: Writer) -> int:
     if writer.cell_ids:
         surface.append("real seen_from = *cell;")
     count = 0
-    for k, solid in enumerate(writer.scene.objects, start=1):
-        _check_tile(writer, solid, ("objects", k - 1))
+    lamps = {
+        number: ("lights", light, "point")
+        for number, light in enumerate(writer.scene.lamps, start=1 + len(writer.scene.objects))
+    }
+    for k, solid in enumerate(writer.scene.solids, start=1):
+        written = lamps.get(k, ("objects", k - 1))
+        _check_tile(writer, solid, written)
         try:
             outer = _carry(writer, solid, ("objects", k - 1))
             text = _SolidText(writer, solid, outer)
@@ -49,14 +54,14 @@ def write_objects(writer: Writer) -> int:
             if writer.lattice is not None:
                 seen = images(solid, outer, writer.near_walls, writer.lattice, writer.place)
         except ValueError as error:
-            raise writer.scene.error_at(("objects", k - 1, "at"), str(error)) from error
+            raise writer.scene.error_at((*written, "at"), str(error)) from error
         writer.function(
             f"real object_{k}_distance(point p, vector v, scene_data scene)", [f"return {text.distance};"]
         )
         writer.function(
             f"surface object_{k}_surface(point p, scene_data scene)", [*text.lines, f"return {text.name};"]
         )
-        material = _material(solid.material, writer.numbers, writer.parts, "s")
+        material = _material(solid.material, writer, "s")
         writer.function(
             f"material object_{k}_material(surface s, scene_data scene)",
             [f"material m = {material};", "return m;"],
@@ -66,12 +71,12 @@ def write_objects(writer: Writer) -> int:
             if not distance:
                 distance.append("real distance = REAL(INFINITY);")
             more_distance, more_surface = _over_walls(writer, writer.lattice, k, seen)
-            distance += more_distance
             surface += more_surface
         else:
             own = f"object_{k}_distance(p, v, scene)"
-            distance.append(f"distance = fmin(distance, {own});" if distance else f"real distance = {own};")
+            more_distance = [f"distance = fmin(distance, {own});" if distance else f"real distance = {own};"]
             surface += [f"s = object_{k}_surface(p, scene);", *_take_nearer(k)]
+        distance += [f"if (scene.skipped != {k}) {{", *more_distance, "}"] if k in lamps else more_distance
     writer.function(
         "real scene_distance(point p, vector v, scene_data scene)", [*distance, "return distance;"]
     )
@@ -409,8 +414,11 @@ def _paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[
     return f"grid({surface}, scene, {place})"
 
 
-def _material(material: schema.Material, numbers: Numbers, parts: set[str], surface: str) -> str:
+def _material(material: schema.Material, writer: Writer, surface: str) -> str:
     """The text of a material on a surface, as an initialiser."""
-    place = numbers.add([material.ambient, material.diffuse, material.specular, material.shininess])
-    shares = ", ".join(f"number(scene, {place + k})" for k in range(4))
-    return f"{{{_paint(material.color, numbers, parts, surface)}, {shares}}}"
+    shares = [material.ambient, material.diffuse, material.specular, material.shininess]
+    if writer.reflections:
+        shares.append(material.reflectivity)
+    place = writer.numbers.add(shares)
+    read = ", ".join(f"number(scene, {place + k})" for k in range(len(shares)))
+    return f"{{{_paint(material.color, writer.numbers, writer.parts, surface)}, {read}}}"

@@ -50,7 +50,8 @@ class Writer:
 
     `near_walls` is how distance is measured near the walls of the cell. `cells` (C,n,n) are the group
     elements of the cells that rays keep track of, if any; `seen_from` has for each light that is not repeated
-    its place (C,4) as seen from them.
+    its place (C,4) as seen from them. `switch`: None, or whether effects are on in a program that has them
+    and asks a number for each whether it is: what assembling saves is measured against that.
     """
 
     scene: schema.Scene
@@ -58,6 +59,7 @@ class Writer:
     numbers: Numbers
     near_walls: str
     cells: Array
+    switch: bool | None = None
     parts: set[str] = field(default_factory=set)
     lines: list[str] = field(default_factory=list)
     seen_from: list[Array] = field(default_factory=list)
@@ -82,6 +84,20 @@ class Writer:
     def place(self) -> Placement:
         """Where things stand."""
         return Placement(self.geometry)
+
+    @property
+    def reflections(self) -> int:
+        """How often rays are mirrored."""
+        reflections = self.scene.effects.reflections
+        return 0 if reflections is None else reflections.depth
+
+    def effect(self, part: str, lines: list[str]) -> list[str]:
+        """Ask for the kernel file of an effect; gives back the lines that call it."""
+        self.parts.add(part)
+        if self.switch is None:
+            return lines
+        asked = f"if (scene.numbers[{self.numbers.add([self.switch])}] != 0) {{"
+        return [asked, *(f"  {line}" for line in lines), "}"]
 
     def add_shape(self, shape: str) -> None:
         """Ask for the kernel files of a shape."""

@@ -1,0 +1,32 @@
+// ambient_occlusion.h - how much of the light from everywhere reaches a place: little where objects stand close above it. On the
+// geodesic along the normal the distance to the scene is compared with the height, at OCCLUSION_HEIGHTS heights up to a reach; nearer
+// ones count more. Numbers: reach; strength.
+
+// A plane shades itself nowhere and a right angle by half its strength at every height, so that few are enough.
+#define OCCLUSION_HEIGHTS 5
+// A height counts by this factor more than the next one.
+#define OCCLUSION_RATIO C(1.6)
+// A step that is no longer than a cell is wide leads over few walls.
+#define OCCLUSION_TELEPORTS 8
+
+FN real ambient_occlusion(shading s, mask counted, scene_data scene, int k, work *done)
+{
+  real height = REAL(0), step = number(scene, k) / REAL(OCCLUSION_HEIGHTS), hidden = REAL(0);
+  scalar weight = 1, sum = 0;
+  ray r = new_ray(s.p, push(s.p, s.normal));
+  r.active = counted;
+  for (int i = 0; i < OCCLUSION_HEIGHTS; i++) {
+    flow(&r.p, &r.v, step);
+#ifdef IN_QUOTIENT
+    for (int pass = 0; pass < OCCLUSION_TELEPORTS && ANY(counted & outside_cell(r.p, scene)); pass++) teleport(&r, scene);
+#endif
+    reproject(&r.p, &r.v);
+    height += step;
+    real clear = scene_distance(r.p, r.v, scene);
+    done->distances += SELECT(counted, REAL(1), REAL(0));
+    hidden += REAL(weight) * fmax(REAL(1) - clear / height, REAL(0));
+    sum += weight;
+    weight /= OCCLUSION_RATIO;
+  }
+  return fmax(REAL(1) - number(scene, k + 1) * hidden / REAL(sum), REAL(0));
+}

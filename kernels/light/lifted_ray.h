@@ -1,0 +1,15 @@
+// lifted_ray.h - a ray that leaves a surface: towards a light, or mirrored.
+
+// The start is lifted off the surface by this many hit thresholds, so that the surface does not end the ray itself.
+#define SURFACE_LIFT 4
+
+FN ray lifted_ray(shading s, scene_data scene)
+{
+  ray r = new_ray(s.p, push(s.p, s.normal));
+  flow(&r.p, &r.v, number(scene, HIT_THRESHOLD) * REAL(SURFACE_LIFT));
+  r.cell = s.cell;
+  return r;
+}
+
+// How often a ray that was marched asked for the distance: once a step, and where it ended.
+FN real distances_of(ray r, mask started) { return r.steps + SELECT(started & NOT(r.active), REAL(1), REAL(0)); }
