@@ -35,17 +35,21 @@ if TYPE_CHECKING:
     from thurston_cl.image import Image
     from thurston_cl.scene import Scene
 
-# The formats and channels of image.py, written out: --help must not wait for OpenImageIO.
+# The formats, channels and views of image.py, written out: --help must not wait for OpenImageIO.
 SUFFIXES = (".exr", ".png")
 CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
+VIEWS = ("none", "filmic", "aces")
+EXPOSURE_LIMIT = 32.0
 
 
 @dataclass(frozen=True)
 class _Target:
-    """A file to write, and which channels of the picture it gets; None means all."""
+    """A file to write, which channels of the picture it gets (None means all), and how a PNG shows it."""
 
     file: str
     channels: tuple[str, ...] | None
+    exposure: float = 0.0
+    view: str = "none"
 
 
 def _split_channels(ctx: click.Context, param: click.Parameter, text: str | None) -> tuple[str, ...] | None:
@@ -86,6 +90,22 @@ def _check_suffixes(ctx: click.Context, param: click.Parameter, files: tuple[str
     cls=Option,
     group=OUTPUT,
     help=f"What the .exr of -o holds. [default: all: {','.join(CHANNELS)}]",
+)
+@click.option(
+    "--exposure",
+    type=click.FloatRange(-EXPOSURE_LIMIT, EXPOSURE_LIMIT),
+    metavar="STOPS",
+    cls=Option,
+    group=OUTPUT,
+    help="How much brighter the .png of -o is; each stop doubles the light. [default: 0]",
+)
+@click.option(
+    "--view",
+    type=click.Choice(VIEWS),
+    cls=Option,
+    group=OUTPUT,
+    help="How the .png of -o shows light brighter than a screen: cut off, bent over, or by ACES 2.0. "
+    "[default: none]",
 )
 @click.option("--force", is_flag=True, cls=Option, group=OUTPUT, help="Replace files that exist.")
 @click.option(
@@ -139,6 +159,8 @@ def command(
     sets: tuple[str, ...],
     files: tuple[str, ...],
     channels: tuple[str, ...] | None,
+    exposure: float | None,
+    view: str | None,
     force: bool,
     size: tuple[int, int] | None,
     samples: int | None,
@@ -165,7 +187,7 @@ def command(
     from thurston_cl.scene import load_scene
 
     loaded = load_scene(scene, defines=defines, sets=sets)
-    targets = _targets(loaded, files, channels)
+    targets = _targets(loaded, files, channels, exposure, view)
     for target in targets:
         check_output(target.file, target.channels, force)
     if crop is not None:
@@ -190,25 +212,36 @@ def command(
                 progress=progress,
             )
         for target in targets:
-            image.save(target.file, target.channels, force=force)
+            image.save(target.file, target.channels, force, target.exposure, target.view)
             written.append(target.file)
     except KeyboardInterrupt:
         raise Interrupted(f"only {', '.join(written)} written" if written else "nothing written") from None
     _report(image, targets, time.perf_counter() - start, as_json=as_json, quiet=quiet)
 
 
-def _targets(scene: Scene, files: Sequence[str], channels: tuple[str, ...] | None) -> list[_Target]:
+def _targets(
+    scene: Scene,
+    files: Sequence[str],
+    channels: tuple[str, ...] | None,
+    exposure: float | None,
+    view: str | None,
+) -> list[_Target]:
     """What to write: the files of `-o`, else those of the scene."""
     if channels is not None and all(_is_png(file) for file in files):
         raise click.UsageError("--channels says what an .exr holds: name one with -o FILE.exr")
+    for option, value in (("--exposure", exposure), ("--view", view)):
+        if value is not None and not any(_is_png(file) for file in files):
+            raise click.UsageError(f"{option} says how a .png shows the picture: name one with -o FILE.png")
     if not files and not scene.outputs:
         raise click.UsageError("where to? Give -o FILE.png or -o FILE.exr, or 'outputs' in the scene")
     real = [os.path.realpath(file) for file in files]
     for index, path in enumerate(real):
         if path in real[:index]:
             raise click.UsageError(f"-o {files[index]} is given twice")
-    wanted = [(file, channels) for file in files] or [(o.file, o.channels) for o in scene.outputs]
-    return [_Target(file, ("beauty",) if _is_png(file) else names) for file, names in wanted]
+    if not files:
+        return [_Target(o.file, o.channels, o.exposure, o.view) for o in scene.outputs]
+    png = (("beauty",), exposure or 0.0, view or "none")
+    return [_Target(file, *png) if _is_png(file) else _Target(file, channels) for file in files]
 
 
 def _wanted(targets: Sequence[_Target]) -> tuple[str, ...]:
@@ -264,7 +297,9 @@ def _report(image: Image, targets: Sequence[_Target], seconds: float, *, as_json
         click.echo(f"wrote {names}: {image.width}x{image.height} in {seconds:.1f} s, {how}", err=True)
     if as_json:
         outputs = [
-            {"file": target.file, "channels": target.channels or tuple(image.channels)} for target in targets
+            {"file": target.file, "channels": target.channels or tuple(image.channels)}
+            | ({"exposure": target.exposure, "view": target.view} if _is_png(target.file) else {})
+            for target in targets
         ]
         answer = {**statistics, "total_seconds": seconds, "outputs": outputs}
         click.echo(json.dumps(_plain(answer), indent=2, allow_nan=False))

@@ -4,11 +4,13 @@ The only module that touches OpenImageIO. That library answers errors with False
 type name for "half", reorders channels, scales integers stored beside floats, and hangs when a file that
 failed is written again; so every call goes through `check`, types are asserted, channels are looked up by
 name, integers stand in parts of their own, and a file is read back and compared before it gets its name.
+Colors go through OpenColorIO with `film.ocio` beside this file.
 """
 
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import shutil
 import stat
@@ -36,11 +38,16 @@ FLOAT_CHANNELS: dict[str, tuple[str, ...]] = {
 INTEGER_CHANNELS: dict[str, tuple[str, ...]] = {"object": ("object.id",), "cell": ("cell.id",)}
 CHANNELS = (*FLOAT_CHANNELS, *INTEGER_CHANNELS)
 SUFFIXES = (".exr", ".png")
+# How light becomes the color of a screen; `film.ocio` says how each of them does.
+VIEWS = ("none", "filmic", "aces")
+# Stops either way: beyond lies no picture, and a factor that single precision might not hold.
+EXPOSURE_LIMIT = 32.0
 
 _PREFIX = "thurston:"
 _LINEAR, _SRGB = "lin_rec709_scene", "srgb_rec709_scene"
-# OpenColorIO's own configuration: a broken $OCIO must not break a render.
-_COLOR_CONFIG = "ocio://default"
+# Always given: a broken $OCIO must not break a render.
+_COLOR_CONFIG = str(Path(__file__).with_name("film.ocio"))
+_DISPLAY = "sRGB"
 # Rows handled at a time: bounds the memory of a large picture. A multiple of the 16 rows that zip packs.
 _BAND = 256
 # OpenColorIO gives NaN for infinity; any number far over white does as well.
@@ -112,16 +119,22 @@ class Image:
         return int(next(iter(self.channels.values())).shape[0])
 
     def save(
-        self, path: str | os.PathLike[str], channels: Sequence[str] | None = None, force: bool = False
+        self,
+        path: str | os.PathLike[str],
+        channels: Sequence[str] | None = None,
+        force: bool = False,
+        exposure: float = 0.0,
+        view: str = "none",
     ) -> None:
         """Write the picture to `path`; the suffix says how.
 
         .exr: `channels` (default: all) as 32-bit floats in linear Rec.709, object and cell as parts of 32-bit
-        integers. .png: beauty alone, 8 bits in sRGB. The file is written beside its name as NAME.part, read
-        back, compared and renamed: under its own name it is whole or absent.
+        integers. .png: beauty alone, 8 bits in sRGB, made by `to_srgb` with `exposure` and `view`, which its
+        metadata tell. The file is written beside its name as NAME.part, read back, compared and renamed:
+        under its own name it is whole or absent.
 
-        Raises OutputError: wrong suffix or channels, no such directory, not writable, disk full, or the file
-        exists and `force` is not given.
+        Raises OutputError: wrong suffix or channels, exposure or view for an .exr, no such directory, not
+        writable, disk full, or the file exists and `force` is not given; ValueError as `to_srgb` does.
         """
         target = check_output(path, channels, force)
         chosen = tuple(channels) if channels is not None else tuple(n for n in CHANNELS if n in self.channels)
@@ -132,7 +145,11 @@ class Image:
         if absent:
             has = ", ".join(self.channels)
             raise OutputError(f"{path}: the picture has no channel {', '.join(absent)}; it has {has}")
-        _save_parts(target, self._png_parts() if is_png else self._exr_parts(chosen))
+        if not is_png and (exposure != 0 or view != "none"):
+            raise OutputError(
+                f"{path}: an EXR keeps the linear numbers; leave exposure and view out, or write a PNG"
+            )
+        _save_parts(target, self._png_parts(exposure, view) if is_png else self._exr_parts(chosen))
 
     def _exr_parts(self, chosen: Sequence[str]) -> list[_Part]:
         floats = [name for name in FLOAT_CHANNELS if name in chosen]
@@ -146,9 +163,10 @@ class Image:
         parts[0].metadata = self._saved_metadata()
         return parts
 
-    def _png_parts(self) -> list[_Part]:
-        pixels = to_srgb(self.channels["beauty"])
-        return [_Part("beauty", "uint8", dict(_planes("beauty", pixels)), self._saved_metadata())]
+    def _png_parts(self, exposure: float = 0.0, view: str = "none") -> list[_Part]:
+        pixels = to_srgb(self.channels["beauty"], exposure, view)
+        film = {"exposure": json.dumps(float(exposure)), "view": view}
+        return [_Part("beauty", "uint8", dict(_planes("beauty", pixels)), self._saved_metadata() | film)]
 
     def _saved_metadata(self) -> dict[str, str]:
         return {key: text for key, text in self.metadata.items() if text}
@@ -182,25 +200,44 @@ def _planes(channel: str, array: Array) -> Iterator[tuple[str, Array]]:
 # ----------------------------------------------------------------------------------------------------- colour
 
 
-def to_srgb(beauty: Array) -> NDArray[np.uint8]:
+def to_srgb(beauty: Array, exposure: float = 0.0, view: str = "none") -> NDArray[np.uint8]:
     """Convert linear Rec.709 (H,W,3) float to the 8-bit sRGB that a screen shows, by OpenColorIO.
 
-    Rounded to nearest, no dither, no tone map: what is over white is white. NaN takes the mean of its sound
-    neighbours (black where there is none), infinity is white. Raises ValueError for another shape.
+    `exposure`: stops; the light is taken 2^exposure times, before anything else. `view`: what becomes of it.
+    "none": sRGB as it is, what is over white is white. "filmic": an S-shaped curve that keeps middle gray and
+    never quite reaches white. "aces": the Academy's output transform 2.0 for screens of 100 nits, which shows
+    middle gray darker. All take 0 to 0. Rounded to nearest, no dither. NaN takes the mean of its sound
+    neighbours (black where there is none), infinity is white, as any number far over white.
+
+    Raises ValueError for another shape, an unknown view, an exposure beyond EXPOSURE_LIMIT either way.
     """
     if beauty.ndim != 3 or beauty.shape[2] != 3:
         raise ValueError(f"beauty has the shape {beauty.shape}, expected (H, W, 3)")
-    linear = np.asarray(beauty, np.float32)
+    if view not in VIEWS:
+        raise ValueError(f"unknown view {view!r}; there are {', '.join(VIEWS)}")
+    if not abs(exposure) <= EXPOSURE_LIMIT:
+        raise ValueError(
+            f"exposure is {exposure}; expected from {-EXPOSURE_LIMIT:g} to {EXPOSURE_LIMIT:g} stops"
+        )
+    with np.errstate(over="ignore"):
+        linear = np.asarray(beauty, np.float32) * np.float32(2.0**exposure)
     if not np.isfinite(linear).all():
         linear = np.clip(linear, 0, _OVER_WHITE)
         fixed = oiio.ImageBufAlgo.fixNonFinite(_buffer(linear), oiio.NonFiniteFixMode.NONFINITE_BOX3)
         linear = _pixels(fixed, "replacing NaN pixels")
     out = np.empty(linear.shape, np.uint8)
     for rows in _bands(len(linear)):
-        # Clipped first: sRGB maps [0, 1] onto itself.
-        display = _convert(np.clip(linear[rows], 0, 1), _LINEAR, _SRGB)
+        # sRGB maps [0, 1] onto itself, and the curves of the others are flat where they end.
+        display = _displayed(np.clip(linear[rows], 0, 1 if view == "none" else _OVER_WHITE), view)
         out[rows] = np.rint(np.clip(display, 0, 1) * 255)
     return out
+
+
+def _displayed(pixels: Array, view: str) -> Array:
+    displayed = oiio.ImageBufAlgo.ociodisplay(
+        _buffer(pixels), _DISPLAY, view, _LINEAR, colorconfig=_COLOR_CONFIG
+    )
+    return _pixels(displayed, f"converting color to the view {view}")
 
 
 def _convert(pixels: Array, source: str, target: str) -> Array:
@@ -372,8 +409,9 @@ def _read_back(part_path: Path, target: Path, parts: Sequence[_Part]) -> None:
 def read_image(path: str | os.PathLike[str]) -> Image:
     """Read a picture that `Image.save` wrote: its channels and metadata, exact for EXR.
 
-    A PNG has a beauty alone, brought back to linear Rec.709 as far as its 8 bits say. Raises MissingFileError
-    where the file is absent, damaged or not a picture.
+    A PNG has a beauty alone, brought back to linear Rec.709 as far as its 8 bits say; exposure and view,
+    which its metadata tell, are not undone. Raises MissingFileError where the file is absent, damaged or not
+    a picture.
     """
     what = f"{path}: cannot be read"
     file = check(oiio.ImageInput.open(os.fspath(path)), oiio, what, MissingFileError)

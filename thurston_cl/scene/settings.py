@@ -7,7 +7,7 @@ from pydantic import Field
 
 from .base import Node, Problem, raised
 from .context import Context
-from .values import AtLeast, OutputFile, PixelSize, Positive, Samples, Steps
+from .values import AtLeast, Exposure, OutputFile, PixelSize, Positive, Samples, Steps
 
 
 class RenderSettings(Node):
@@ -73,12 +73,26 @@ class Output(Node):
         description="What an `.exr` holds: the picture, length of the ray, normal, number of the object, "
         "number of the cell, steps of the ray.",
     )
+    exposure: Exposure = Field(
+        default=0, description="Stops by which a `.png` is brighter than the light: each doubles it."
+    )
+    view: Literal["none", "filmic", "aces"] = Field(
+        default="none",
+        description="How a `.png` shows light brighter than a screen: `none` cuts it off at white, "
+        "`filmic` bends it over softly and keeps middle gray, `aces` is the ACES 2.0 output transform, darker.",
+    )
 
     def check(self, context: Context) -> Iterator[Problem]:
         if "channels" in self.model_fields_set and self.file.lower().endswith(".png"):
             yield Problem(
                 ("channels",), "a .png holds the picture only", "leave channels out, or write an .exr", True
             )
+        if self.file.lower().endswith(".exr"):
+            cure = "leave it out, or write a .png too"
+            for name in ("exposure", "view"):
+                if name in self.model_fields_set:
+                    message = f"an .exr keeps the linear numbers and takes no {name}"
+                    yield Problem((name,), message, cure, True)
         for index, channel in enumerate(self.channels):
             if channel in self.channels[:index]:
                 yield Problem(("channels", index), f"'{channel}' is listed twice")

@@ -89,6 +89,8 @@ Steps = Annotated[
     int, Ge(1), Le(100_000), BeforeValidator(whole_number), Says("whole number from 1 to 100000")
 ]
 
+Exposure = Annotated[float, Ge(-32), Le(32), BeforeValidator(_number), Says("number from -32 to 32")]
+
 Flag = Annotated[bool, BeforeValidator(_flag), Says("`true` or `false`")]
 
 _UNITS = {"deg": math.pi / 180, "rad": 1.0, "turn": 2 * math.pi}
