@@ -69,6 +69,13 @@ def _check_suffixes(ctx: click.Context, param: click.Parameter, files: tuple[str
     return files
 
 
+def _check_exposure(ctx: click.Context, param: click.Parameter, stops: float | None) -> float | None:
+    # Written so that NaN fails; click's own range lets it through.
+    if stops is not None and not abs(stops) <= EXPOSURE_LIMIT:
+        raise click.BadParameter(f"{stops:g} is not from {-EXPOSURE_LIMIT:g} to {EXPOSURE_LIMIT:g} stops")
+    return stops
+
+
 @click.command(cls=GroupedCommand)
 @scene_options
 @click.option(
@@ -93,8 +100,9 @@ def _check_suffixes(ctx: click.Context, param: click.Parameter, files: tuple[str
 )
 @click.option(
     "--exposure",
-    type=click.FloatRange(-EXPOSURE_LIMIT, EXPOSURE_LIMIT),
+    type=float,
     metavar="STOPS",
+    callback=_check_exposure,
     cls=Option,
     group=OUTPUT,
     help="How much brighter the .png of -o is; each stop doubles the light. [default: 0]",

@@ -24,7 +24,7 @@ from click.testing import CliRunner, Result
 
 from thurston_cl.cli import render as cli_render
 from thurston_cl.cli.main import main
-from thurston_cl.image import CHANNELS, Image, read_image
+from thurston_cl.image import CHANNELS, Image, read_image, to_srgb
 
 SCENE = """\
 geometry: e3
@@ -115,7 +115,7 @@ def test_several_outputs_of_one_render(
     assert len(renderer.calls) == 1
     assert new_files(tmp_path) == ["a.PNG", "a.exr"]
     assert tuple(read_image("a.exr").channels) == CHANNELS
-    assert read_image("a.PNG").metadata == {"scene": "text"}
+    assert read_image("a.PNG").metadata == {"scene": "text", "exposure": "0.0", "view": "none"}
     assert result.stdout == ""
     wanted = r"wrote a\.exr, a\.PNG: 8x6 in [0-9.]+ s, single precision on Toaster\n"
     assert re.fullmatch(wanted, result.stderr)
@@ -140,7 +140,7 @@ def test_the_outputs_of_the_scene(
     assert list(read_image("b.exr").channels) == ["beauty", "cell"]
     assert json.loads(result.stdout)["outputs"] == [
         {"file": "b.exr", "channels": ["beauty", "cell"]},
-        {"file": "b.png", "channels": ["beauty"]},
+        {"file": "b.png", "channels": ["beauty"], "exposure": 0.0, "view": "none"},
         {"file": "c.exr", "channels": ["beauty"]},
     ]
     # -o comes instead of them.
@@ -275,7 +275,7 @@ def test_json_is_the_only_thing_on_stdout(thurston: Callable[..., Result], rende
         "ratio": None,
         "precision": "single",
         "device": "Toaster",
-        "outputs": [{"file": "a.png", "channels": ["beauty"]}],
+        "outputs": [{"file": "a.png", "channels": ["beauty"], "exposure": 0.0, "view": "none"}],
     }
 
 
@@ -323,6 +323,69 @@ def test_the_lists_of_the_command_line_are_those_of_the_image_module() -> None:
 
     assert cli_render.CHANNELS == image.CHANNELS
     assert cli_render.SUFFIXES == image.SUFFIXES
+    assert cli_render.VIEWS == image.VIEWS
+    assert cli_render.EXPOSURE_LIMIT == image.EXPOSURE_LIMIT
+
+
+# --- film
+
+
+def test_film_of_the_scene(thurston: Callable[..., Result], renderer: FakeRenderer, tmp_path: Path) -> None:
+    """Three pictures of one render, each with its own film; the numbers have none."""
+    (tmp_path / "scene.yaml").write_text(
+        SCENE + "outputs: [{file: a.png, exposure: 1.5}, {file: b.png, view: filmic}, {file: c.exr}]\n"
+    )
+    result = thurston("scene.yaml", "--json")
+    assert result.exit_code == 0, result.output
+    assert len(renderer.calls) == 1
+    gray = np.full((6, 8, 3), 0.5, np.float32)
+    np.testing.assert_array_equal(read_image("c.exr").channels["beauty"], gray)
+    assert read_image("c.exr").metadata == {"scene": "text"}
+    assert shown("a.png") == {tuple(to_srgb(gray, exposure=1.5)[0, 0])}
+    assert shown("b.png") == {tuple(to_srgb(gray, view="filmic")[0, 0])}
+    films = [(output.get("exposure"), output.get("view")) for output in json.loads(result.stdout)["outputs"]]
+    assert films == [(1.5, "none"), (0.0, "filmic"), (None, None)]
+
+
+def test_film_of_the_command_line_is_for_png(
+    thurston: Callable[..., Result], renderer: FakeRenderer, tmp_path: Path
+) -> None:
+    (tmp_path / "scene.yaml").write_text(SCENE + "outputs: [{file: a.png, exposure: 3}]\n")
+    files = ("-o", "a.exr", "-o", "a.png", "-o", "b.PNG")
+    result = thurston("scene.yaml", *files, "--view", "aces", "--exposure", "-1")
+    assert result.exit_code == 0, result.output
+    np.testing.assert_array_equal(read_image("a.exr").channels["beauty"], np.float32(0.5))
+    wanted = to_srgb(np.full((6, 8, 3), 0.5, np.float32), -1, "aces")
+    assert shown("a.png") == shown("b.PNG") == {tuple(wanted[0, 0])}
+    assert read_image("a.png").metadata == {"scene": "text", "exposure": "-1.0", "view": "aces"}
+    # -o stands instead of the outputs of the scene, film and all.
+    assert thurston("scene.yaml", "-o", "c.png").exit_code == 0
+    assert read_image("c.png").metadata["exposure"] == "0.0"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["-o", "a.exr", "--view", "filmic"], "--view says how a .png shows the picture: name one with -o"),
+        (["-o", "a.exr", "--exposure", "0"], "--exposure says how a .png shows the picture"),
+        (["--view", "filmic"], "--view says how a .png shows the picture"),
+        (["-o", "a.png", "--view", "agx"], "'agx' is not one of 'none', 'filmic', 'aces'"),
+        (["-o", "a.png", "--exposure", "40"], "40 is not from -32 to 32 stops"),
+        (["-o", "a.png", "--exposure", "nan"], "nan is not from -32 to 32 stops"),
+    ],
+)
+def test_film_that_cannot_be(
+    thurston: Callable[..., Result], renderer: FakeRenderer, arguments: list[str], says: str
+) -> None:
+    result = thurston("scene.yaml", *arguments)
+    assert result.exit_code == 2
+    assert says in " ".join(result.stderr.split())
+    assert not renderer.calls
+
+
+def shown(file: str) -> set[tuple[int, ...]]:
+    """The colors of a picture's pixels as its file holds them."""
+    return {tuple(pixel) for pixel in to_srgb(read_image(file).channels["beauty"]).reshape(-1, 3)}
 
 
 # --- interrupts

@@ -978,6 +978,40 @@ MISTAKES = {
         "a .png holds the picture only",
         schema=False,
     ),
+    "exposure of an exr": Mistake(
+        f"{E3}outputs: [{{file: x.exr, exposure: 1}}]\n",
+        "3:25",
+        "an .exr keeps the linear numbers and takes no exposure",
+        "write a .png too",
+        schema=False,
+    ),
+    "view of an exr": Mistake(
+        f"{E3}outputs: [{{file: x.EXR, view: filmic}}]\n",
+        "3:25",
+        "an .exr keeps the linear numbers and takes no view",
+        "leave it out",
+        schema=False,
+    ),
+    "exposure of a sun": Mistake(
+        f"{E3}outputs: [{{file: x.png, exposure: 33}}]\n", "3:35", "exposure must be at most 32; this is 33"
+    ),
+    "exposure of a cellar": Mistake(
+        f"{E3}outputs: [{{file: x.png, exposure: -33}}]\n",
+        "3:35",
+        "exposure must be at least -32; this is -33",
+    ),
+    "misspelt view": Mistake(
+        f"{E3}outputs: [{{file: x.png, view: flimic}}]\n",
+        "3:31",
+        "'flimic' is not one of: none, filmic, aces",
+        "did you mean 'filmic'?",
+    ),
+    "tone map of an output": Mistake(
+        f"{E3}outputs: [{{file: x.png, tonemap: filmic}}]\n",
+        "3:25",
+        "unknown key 'tonemap'",
+        "did you mean 'view'?",
+    ),
     "file twice": Mistake(
         f"{E3}outputs: [file: x.png, file: X.png]\n",
         "3:30",

@@ -78,8 +78,8 @@ class Output(Node):
     )
     view: Literal["none", "filmic", "aces"] = Field(
         default="none",
-        description="How a `.png` shows light brighter than a screen: `none` cuts it off at white, "
-        "`filmic` bends it over softly and keeps middle gray, `aces` is the ACES 2.0 output transform, darker.",
+        description="How a `.png` shows light brighter than a screen: `none` cuts it off at "
+        "white, `filmic` bends it over softly and keeps middle gray, `aces` is ACES 2.0, which is darker.",
     )
 
     def check(self, context: Context) -> Iterator[Problem]:
