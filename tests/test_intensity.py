@@ -1,4 +1,4 @@
-"""The plots of docs/intensity.md: their numbers against the paper's formulas, and what the page says of them."""
+"""The plots of docs/intensity.md: numbers against the paper's formulas, colors, and what the page says."""
 
 from __future__ import annotations
 
@@ -75,7 +75,6 @@ def test_panels_are_the_formulas_of_the_paper(name: str) -> None:
 
 def test_nil_is_the_formula_of_the_paper() -> None:
     across, z, r = coordinates()
-    # The paper's form loses 4 digits of z next to the horizontal plane, where the kernels' own does not.
     np.testing.assert_allclose(1 / values("nil"), nil(across, z, r), rtol=1e-9, atol=1e-9)
 
 
@@ -156,7 +155,7 @@ def test_first_sheet_of_sl2_is_a_hyperboloid() -> None:
 
 
 @pytest.mark.parametrize("height", [2 * np.pi, 4 * np.pi])
-def test_planes_of_nil_are_dark_nowhere(height: float) -> None:
+def test_whole_turns_in_nil_are_conjugate(height: float) -> None:
     across = np.linspace(0, 30, 50)
     length = np.hypot(across, height)
     direction = np.stack([across, 0 * across, 0 * across + height], axis=1) / length[:, np.newaxis]
@@ -180,8 +179,8 @@ def test_the_light_is_in_no_pixel() -> None:
 
 def test_colors_of_the_picture(tmp_path: Path) -> None:
     """Each place of a disc has the color of its intensity, and outside of the discs is paper."""
-    names = ("s2xe", "s3")
-    # An area density that no caustic makes too steep for a pixel.
+    names = ("s2xe", SOL_PLANE)
+    # Away from caustics, where a pixel is too wide for one color.
     spots = [(1.0, 2.0), (-2.0, 5.0), (0.5, -8.0), (-1.5, -1.5)]
     figure = plot.draw([PANELS[name] for name in names], RADIUS, 200)
     figure.savefig(tmp_path / "a.png", dpi=100)
@@ -190,8 +189,9 @@ def test_colors_of_the_picture(tmp_path: Path) -> None:
         assert axes.get_title() == PANELS[name].title
         for x, y in spots:
             column, row = axes.transData.transform((x, y)).astype(int)
-            area = AREAS[name](abs(x), y, np.hypot(x, y))
-            wanted = plot.COLORS(plot.NORM(1 / area))[:3]
+            length = np.hypot(x, y)
+            area = tc.Geometry(PANELS[name].geometry).area_density([[x / length, 0, y / length]], length)
+            wanted = plot.COLORS(plot.NORM(1 / area[0]))[:3]
             np.testing.assert_allclose(picture[row, column, :3], wanted, atol=0.03)
         column, row = axes.transData.transform((0.95 * RADIUS, 0.95 * RADIUS)).astype(int)
         np.testing.assert_array_equal(picture[row, column, :3], 1)
@@ -219,6 +219,5 @@ def test_commands_of_the_page_run_without_a_screen(command: list[str], tmp_path:
     done = subprocess.run([sys.executable, *arguments], cwd=ROOT, env=env, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, ""), done.stderr
     spec = oiio.ImageBuf(str(here)).spec()
-    # Of the same size as the one on the page, which may be of another font.
     wanted = oiio.ImageBuf(str(ROOT / command[-1])).spec()
     assert (spec.width, spec.height) == (wanted.width, wanted.height)

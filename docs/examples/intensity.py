@@ -36,7 +36,7 @@ class Panel:
     up: Vector = Z  # the fiber, where there is one, and then the axis of rotation
 
 
-PANELS = (
+PANELS: tuple[Panel, ...] = (
     Panel("e3", "Euclidean space", "1 / r²"),
     Panel("s3", "Three-sphere", "infinite at r = π, 2π, 3π"),
     Panel("h3", "Hyperbolic space", "1 / sinh² r"),
