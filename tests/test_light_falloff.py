@@ -46,7 +46,7 @@ def lengths_of(values: Array, precision: str) -> tuple[Array, Array]:
 def test_light_fades_by_its_law_until_it_is_far_brighter_than_white(
     geometry: str, precision: str, opencl_device: Device
 ) -> None:
-    """AREA_DENSITY_FLOOR, LENGTH_FLOOR and SQUARE_LENGTH_FLOOR, from above: none dims what a picture shows."""
+    """AREA_DENSITY_FLOOR, LENGTH_FLOOR and SQUARE_LENGTH_FLOOR, from above: none dims what one sees."""
     u, t = lengths_of(np.geomspace(1.0 / LAW_HOLDS_TO, 2.5, 60) * (1 + 1e-6), precision)
     area = Geometry(geometry, "double", opencl_device, lanes=4).area_density(
         u / np.linalg.norm(u, axis=1, keepdims=True), t
@@ -66,8 +66,8 @@ def test_light_fades_by_its_law_until_it_is_far_brighter_than_white(
 @both_precisions
 @all_geometries
 def test_light_has_a_greatest_brightness(geometry: str, precision: str, opencl_device: Device) -> None:
-    """AREA_DENSITY_FLOOR, LENGTH_FLOOR and SQUARE_LENGTH_FLOOR, from below: at the light it is brighter than the
-    law needs, and in a sum of single precision what else there is keeps a digit beside it."""
+    """AREA_DENSITY_FLOOR, LENGTH_FLOOR and SQUARE_LENGTH_FLOOR, from below: at the light it is brighter than
+    the law needs, and in a sum of single precision what else there is keeps a digit beside it."""
     u, t = lengths_of(np.concatenate([[0.0, 1e-30], 10.0 ** np.arange(-12.0, -3)]), precision)
     for falloff in ("area", "inverse", "inverse_square"):
         got = brightness(opencl_device, geometry, precision, falloff, u, t)
