@@ -13,80 +13,21 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
+from effects import effects, unit_costs
+from race import SCENES, contender, race
 
 from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.program import LOCAL_SIZE, Source, build_widest, geometry_parts
-from thurston_cl.rendering import TileRenderer, sample_shifts, tiles
-from thurston_cl.scene import load_scene
-from thurston_cl.scene.plan import make_plan
-
-SCENES = Path(__file__).parent / "scenes"
-
+from thurston_cl.rendering import sample_shifts, tiles
 
 # What we want of PoCL with AVX-512; the machine decides, so these are printed and not checked.
 TARGETS = {
     "hyperideal-cube.yaml": "target: under 1000 core-ms; 1 lane at least 15 times the default (8 with AVX2)",
     "ideal-cube.yaml": "target: at most 60 core-ms in the better way, and no black pixel",
 }
-
-
-@dataclass
-class Contender:
-    """One way to render a scene, with the core-seconds of its runs."""
-
-    name: str
-    renderer: TileRenderer
-    size: tuple[int, int]
-    seconds: list[float]
-    steps: float = 0.0
-
-    def run(self) -> None:
-        """Render once; keep the processor time."""
-        before = time.process_time()
-        steps = 0.0
-        whole = list(tiles((0, 0, *self.size), self.renderer.side))
-        # The middle first, as in a picture: it says how to go on.
-        whole.insert(0, whole.pop(len(whole) // 2))
-        for tile in whole:
-            _, counts = self.renderer.run(tile, sample_shifts(1), ["beauty"])
-            steps += counts["steps"] + counts["shadow_steps"]
-        self.seconds.append(time.process_time() - before)
-        self.steps = steps
-
-    @property
-    def median(self) -> float:
-        """Core-seconds of a run."""
-        return statistics.median(self.seconds[1:])
-
-
-def contender(
-    device: Device, scene_file: str, name: str, precision: str, lanes: int, finish: str
-) -> Contender:
-    """Build the program of one contender."""
-    scene = load_scene(SCENES / scene_file)
-    renderer = TileRenderer(make_plan(scene, device=device), device, precision, lanes, finish)
-    return Contender(name, renderer, scene.render.size, [])
-
-
-def race(title: str, contenders: list[Contender], repeat: int) -> None:
-    """Run the contenders in turn, again and again, and print the medians relative to the first."""
-    for _ in range(repeat + 1):
-        for each in contenders:
-            each.run()
-    print(f"\n{title}")
-    print(f"  {'':50} {'core-ms':>9} {'ratio':>7} {'min':>6} {'max':>6} {'Msteps/s':>9}")
-    first = contenders[0]
-    for each in contenders:
-        ratios = [a / b for a, b in zip(each.seconds[1:], first.seconds[1:], strict=True)]
-        print(
-            f"  {each.name:50} {1e3 * each.median:9.1f} {statistics.median(ratios):7.2f} {min(ratios):6.2f}"
-            f" {max(ratios):6.2f} {1e-6 * each.steps / each.median:9.1f}"
-        )
 
 
 # Lattices of balls, one light, no shadow: how much more than the flat one do groups cost?
@@ -220,6 +161,8 @@ def main() -> None:
         race(title, contenders, repeat)
         print(f"  {TARGETS[file]}")
     ball_lattices(device, repeat)
+    effects(device, repeat)
+    unit_costs(device, repeat)
     sol_flow(device, repeat)
     ideal_cube(device, repeat)
     memory()

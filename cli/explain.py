@@ -58,6 +58,10 @@ def command(
             "explanation": rows,
             "called_for": plan.called_for,
             "left_out": plan.left_out,
+            "costs": {
+                name: {"work": cost.work, "count": cost.count, "share_of_first_rays": cost.share}
+                for name, cost in plan.costs.items()
+            },
             "parts": plan.parts,
             "options": options,
         }
@@ -72,5 +76,9 @@ def _print_rows(rows: dict[str, str]) -> None:
     indent = max(map(len, rows)) + 2
     columns = max(shutil.get_terminal_size().columns, indent + 40)
     for heading, value in rows.items():
-        lines = textwrap.wrap(value, columns - indent, break_long_words=False, break_on_hyphens=False)
+        lines = [
+            line
+            for part in value.split("\n")
+            for line in textwrap.wrap(part, columns - indent, break_long_words=False, break_on_hyphens=False)
+        ]
         click.echo(f"{heading:{indent}}" + ("\n" + " " * indent).join(lines))

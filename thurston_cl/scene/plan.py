@@ -2,7 +2,7 @@
 no more.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,7 @@ from thurston_cl.lattice import cell_table
 from thurston_cl.lattice.prism import Prism
 from thurston_cl.program import Source, geometry_parts
 from thurston_cl.scene import effect_files, schema
+from thurston_cl.scene.cost import Cost, predict
 from thurston_cl.scene.near_walls import choose_near_walls
 from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import CameraFrame, Placement
@@ -61,6 +62,7 @@ class Plan:
     near_walls: str
     object_images: int
     light_images: int
+    asked: Mapping[str, float]
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -76,6 +78,15 @@ class Plan:
     def called_for(self) -> list[str]:
         """Effects that this scene names."""
         return effect_files.called_for(self.parts)
+
+    @property
+    def costs(self) -> dict[str, Cost]:
+        """The predicted cost of the lights and of each effect that this scene names."""
+        named = {"lights": "light/point.h", "light fading by area density": "light/falloff_area.h"}
+        named = {name: file for name, file in named.items() if file in self.parts}
+        named |= {effect: effect_files.EFFECTS[effect] for effect in self.called_for}
+        costs = predict(self.scene.geometry, {file: self.asked.get(file, 1) for file in named.values()})
+        return {name: costs[file] for name, file in named.items()}
 
     def explain(self) -> dict[str, str]:
         """What the scene calls for and what is left out, in the order in which to say it."""
@@ -96,6 +107,9 @@ class Plan:
             "lights": f"{len(self.scene.lights) or 'the default ones'}, {self.light_images} images in all",
             "called for": ", ".join(self.called_for) or "nothing beyond point lights",
             "left out": ", ".join(self.left_out) or "nothing",
+            "predicted cost": "\n".join(
+                ["of the first rays", *(f"{name}: {cost}" for name, cost in self.costs.items())]
+            ),
             "kernel files": ", ".join(self.parts),
             "numbers": str(len(self.numbers)),
             "picture": f"{settings.size[0]} x {settings.size[1]}, {settings.samples} samples a pixel",
@@ -149,6 +163,7 @@ def make_plan(
         writer.near_walls,
         object_images,
         light_images,
+        writer.asked,
     )
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from thurston_cl.lattice import Lattice, elements, neighbours
 from thurston_cl.lattice.isometry import act, inverse
 from thurston_cl.scene import schema
+from thurston_cl.scene.cost import GEODESICS_WITHIN
 from thurston_cl.scene.lights import usual_geodesics
 from thurston_cl.scene.placement import CameraFrame
 from thurston_cl.scene.writer import Writer
@@ -125,10 +126,12 @@ def _loop(writer: Writer, camera: CameraFrame, asked: _Asked, lights: Sequence[_
         size, color = len(own[0]), writer.numbers.add(number for more in own for number in more)
         light, known = f"point light = seen_from_cell(s.cell, {first} + i, &known, scene);", " & known"
     straight = asked.direction == "straight"
-    writer.parts |= {
-        f"light/{'direction_field' if straight else 'point'}.h",
-        f"light/falloff_{asked.falloff.replace('-', '_')}.h",
-    }
+    falloff, count = f"falloff_{asked.falloff.replace('-', '_')}", len(lights)
+    if not straight:
+        count *= asked.geodesics if asked.within is None else GEODESICS_WITHIN
+    for part in (f"light/{'direction_field' if straight else 'point'}.h", f"light/{falloff}.h"):
+        writer.parts.add(part)
+        writer.asked[part] += count
     counted = f"counted{known}"
     lines = [f"arrival a = direction_field(s, light, {counted});"]
     if not straight:
@@ -140,16 +143,17 @@ def _loop(writer: Writer, camera: CameraFrame, asked: _Asked, lights: Sequence[_
             f"if (!ANY(arrives & {counted})) break;",
             "a.lit &= arrives;",
         ]
-    lines.append(f"a.intensity = falloff_{asked.falloff.replace('-', '_')}(a);")
+    lines.append(f"a.intensity = {falloff}(a);")
     fog = writer.scene.effects.fog
     if fog is not None and fog.on_lights:
-        lines += writer.effect("light/light_in_fog.h", ["a.intensity = light_in_fog(a, scene);"])
+        lines += writer.effect("light/light_in_fog.h", ["a.intensity = light_in_fog(a, scene);"], count)
     if asked.shadows is not None:
         others = "scene"
         if _skips(asked, lights):
             others, lamp = "others", f"(int)scene.numbers[{color + 3} + {size} * i]"
             lines += ["scene_data others = scene;", f"others.skipped = {lamp};"]
-        lines += _shadow(writer, asked.shadows, "towards_light(s, &a, light, k, scene, done)", others)
+        towards = "towards_light(s, &a, light, k, scene, done)"
+        lines += _shadow(writer, asked.shadows, towards, others, count)
     lines += _seen(f"{color} + {size} * i")
     if not straight:
         lines = [f"for (int k = 0; k < {asked.geodesics}; k++) {{", *(f"  {line}" for line in lines), "}"]
@@ -171,25 +175,26 @@ def _sun(writer: Writer, light: schema.Light) -> list[str]:
     """Lines that add the light of a sun."""
     assert light.sun is not None
     writer.parts.add("light/sun.h")
+    writer.asked["light/sun.h"] += 1
     place = writer.numbers.add(
         [*light.sun.towards, *(light.sun.intensity * c for c in light.sun.color.linear)]
     )
     lines = [f"arrival a = sun(s, three_numbers(scene, {place}), counted);"]
     if light.shadows is not None:
-        lines += _shadow(writer, light.shadows, "towards_sun(s, &a, scene)", "scene")
+        lines += _shadow(writer, light.shadows, "towards_sun(s, &a, scene)", "scene", 1)
     return ["{", *(f"  {line}" for line in (*lines, *_seen(f"{place + 3}"))), "}"]
 
 
-def _shadow(writer: Writer, shadows: schema.Shadows, towards: str, scene: str) -> list[str]:
+def _shadow(writer: Writer, shadows: schema.Shadows, towards: str, scene: str, count: int) -> list[str]:
     """Lines that shade the arrival `a`; `towards`: the ray to its source, `scene`: what it may meet."""
     writer.parts |= {"light/lifted_ray.h", "light/shadow_ray.h"}
     lines = [f"shadow_ray q = {towards};"]
     if shadows.soft is None:
         cast = f"hard_shadow(q, &a, max_steps, {scene}, done);"
-        return writer.effect("light/hard_shadow.h", [*lines, cast])
+        return writer.effect("light/hard_shadow.h", [*lines, cast], count)
     sharpness = f"number(scene, {writer.numbers.add([shadows.soft.sharpness])})"
     cast = f"soft_shadow(q, &a, {sharpness}, max_steps, {scene}, done);"
-    return writer.effect("light/soft_shadow.h", [*lines, cast])
+    return writer.effect("light/soft_shadow.h", [*lines, cast], count)
 
 
 def _seen(color: str) -> list[str]:
@@ -255,6 +260,8 @@ def write_seen(writer: Writer) -> None:
     ]
     if writer.reflections:
         writer.parts |= {"light/lifted_ray.h", "light/reflection.h"}
+        mirrors = [solid.material.reflectivity > 0 for solid in writer.scene.objects]
+        writer.asked["light/reflection.h"] = writer.reflections * sum(mirrors) / len(mirrors)
         # A number, so that scenes that differ in it share their program; 0 in a program that has it off.
         depth = writer.numbers.add([0 if writer.switch is False else writer.reflections])
         arguments = f"r, first, (int)scene.numbers[{depth}], max_steps, scene, done"

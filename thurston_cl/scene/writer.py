@@ -1,5 +1,6 @@
 """What the parts of a scene share while their OpenCL text is written."""
 
+from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -50,8 +51,9 @@ class Writer:
 
     `near_walls` is how distance is measured near the walls of the cell. `cells` (C,n,n) are the group
     elements of the cells that rays keep track of, if any; `seen_from` has for each light that is not repeated
-    its place (C,4) as seen from them. `switch`: None, or whether effects are on in a program that has them
-    and asks a number for each whether it is: what assembling saves is measured against that.
+    its place (C,4) as seen from them. `asked` counts, by kernel file, how often a surface point calls for it.
+    `switch`: None, or whether effects are on in a program that has them and asks a number for each whether it
+    is: what assembling saves is measured against that.
     """
 
     scene: schema.Scene
@@ -61,6 +63,7 @@ class Writer:
     cells: Array
     switch: bool | None = None
     parts: set[str] = field(default_factory=set)
+    asked: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
     lines: list[str] = field(default_factory=list)
     seen_from: list[Array] = field(default_factory=list)
 
@@ -91,13 +94,17 @@ class Writer:
         reflections = self.scene.effects.reflections
         return 0 if reflections is None else reflections.depth
 
-    def effect(self, part: str, lines: list[str]) -> list[str]:
-        """Ask for the kernel file of an effect; gives back the lines that call it."""
+    def effect(self, part: str, lines: list[str], count: float = 1) -> list[str]:
+        """Ask for the kernel file of an effect, `count` times at each surface point.
+
+        Gives back the lines that call it.
+        """
         self.parts.add(part)
+        self.asked[part] += count
         if self.switch is None:
             return lines
-        asked = f"if (scene.numbers[{self.numbers.add([self.switch])}] != 0) {{"
-        return [asked, *(f"  {line}" for line in lines), "}"]
+        condition = f"if (scene.numbers[{self.numbers.add([self.switch])}] != 0) {{"
+        return [condition, *(f"  {line}" for line in lines), "}"]
 
     def add_shape(self, shape: str) -> None:
         """Ask for the kernel files of a shape."""
