@@ -13,6 +13,8 @@ from click.testing import CliRunner, Result
 
 from thurston_cl.cli.main import main
 from thurston_cl.device import Device
+from thurston_cl.rendering import render
+from thurston_cl.scene import load_scene
 
 PLAIN = """\
 geometry: h3
@@ -130,3 +132,28 @@ def test_exit_codes(explain: Callable[..., Result], monkeypatch: pytest.MonkeyPa
     result = explain("plain.yaml", "--precision", "double")
     assert result.exit_code == 69
     assert "Toaster (0:0) has no double precision" in result.stderr
+
+
+def test_the_predicted_cost_is_that_of_what_is_counted(explain: Callable[..., Result]) -> None:
+    """Each light asks once a surface point for its geodesic, each shadowed one casts a ray from it; what the
+    scene does not name has no cost."""
+    more = "lights=[{point: {at: [0.3, 0, 0]}, shadows: hard}, {point: {at: [0, 0.3, 0], translates: 3}}]"
+    costs = json.loads(explain("rich.yaml", "--json", "--set", more).stdout)["costs"]
+    assert costs["lights"]["count"] == 13 + 3
+    assert costs["hard shadows"]["count"] == 13
+    assert set(costs) == {
+        "lights",
+        "light fading by area density",
+        "checker",
+        "hard shadows",
+        "exponential fog",
+        "cell ids",
+    }
+    image = render(load_scene("rich.yaml", sets=[more]), size=(64, 40), samples=1)
+    shadow_solves = image.statistics["light_solves"] - 16 * image.statistics["hits"]
+    assert 0 < shadow_solves < 13 * image.statistics["hits"]
+    cheaper = json.loads(explain("plain.yaml", "--json").stdout)["costs"]
+    assert cheaper["lights"]["share_of_first_rays"] == pytest.approx(
+        costs["lights"]["share_of_first_rays"] / 8
+    )
+    assert "hard shadows: about " in rows(explain("rich.yaml"))["predicted cost"]
