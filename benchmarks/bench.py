@@ -21,7 +21,8 @@ from race import SCENES, contender, race
 from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.program import LOCAL_SIZE, Source, build_widest, geometry_parts
-from thurston_cl.rendering import sample_shifts, tiles
+from thurston_cl.rendering import tiles
+from thurston_cl.sampling import sample_shifts
 
 # What we want of PoCL with AVX-512; the machine decides, so these are printed and not checked.
 TARGETS = {

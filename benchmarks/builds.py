@@ -16,7 +16,8 @@ from pathlib import Path
 def measure(names: list[str]) -> dict[str, float]:
     """Seconds by scene, in this process."""
     from thurston_cl import device as devices
-    from thurston_cl.rendering import Tile, TileRenderer, sample_shifts
+    from thurston_cl.rendering import Tile, TileRenderer
+    from thurston_cl.sampling import sample_shifts
     from thurston_cl.scene import load_scene
     from thurston_cl.scene.plan import make_plan
 

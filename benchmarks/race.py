@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from thurston_cl.device import Device
-from thurston_cl.rendering import TileRenderer, sample_shifts, tiles
+from thurston_cl.rendering import TileRenderer, tiles
+from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import load_scene
 from thurston_cl.scene.plan import make_plan
 

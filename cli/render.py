@@ -198,6 +198,7 @@ def command(
     targets = _targets(loaded, files, channels, exposure, view)
     for target in targets:
         check_output(target.file, target.channels, force)
+    _check_size(loaded, size)
     if crop is not None:
         _check_crop(crop, size or loaded.render.size)
     chosen = choose(device)
@@ -261,6 +262,13 @@ def _wanted(targets: Sequence[_Target]) -> tuple[str, ...]:
 
 def _is_png(file: str) -> bool:
     return file.lower().endswith(".png")
+
+
+def _check_size(scene: Scene, size: tuple[int, int] | None) -> None:
+    from thurston_cl.scene.picture import size_problem
+
+    if size and (problem := size_problem(scene.camera.projection.kind, scene.camera.layout, size)):
+        raise click.UsageError(f"--size {size[0]}x{size[1]}: {problem[0]}")
 
 
 def _check_crop(crop: tuple[int, int, int, int], size: tuple[int, int]) -> None:

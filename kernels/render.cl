@@ -2,8 +2,9 @@
 // they end; `shade` turns the records into colour and the other channels. Pixels of a tile are numbered 4x4 block by block,
 // so that the rays of a packet are neighbours; the host undoes that.
 //
-// The generated scene part gives, beside what march.h needs: view_ray(x, y), scene_surface and scene_light, scene_background,
-// scene_clear and scene_air (fog), scene_seen (what a ray shows that has ended, with or without reflections).
+// The generated scene part gives, beside what march.h needs: view_ray(x, y), in_picture(x, y) where the picture is round,
+// scene_surface and scene_light, scene_background, scene_clear and scene_air (fog), scene_seen (what a ray shows that has ended,
+// with or without reflections).
 
 // A record: t, steps, cell, hit (1), out of steps (2) or miss (0), position, velocity.
 #define RECORD_T 0
@@ -30,7 +31,7 @@
 #define FIRST_CELL 17
 
 // The place of a tile in the picture, its width with padding, and the place of the sample in its pixel. Pixels of the padding,
-// from `right` and `bottom` on, are not marched.
+// from `right` and `bottom` on, are not marched, nor are those whose middle is outside a round picture.
 #define TILE int left, int top, int right, int bottom, int width, scalar shift_x, scalar shift_y
 #define SCENE_ARGUMENTS __constant const scalar *numbers, __global const int *next_cell, __global const scalar *seen_from
 #define TILE_ARGUMENTS left, top, right, bottom, width, shift_x, shift_y
@@ -43,6 +44,9 @@ FN ray start(lane_int id, scene_data scene, TILE)
   real x = TO_REAL(column * 4 + (inner_id & 3) + left), y = TO_REAL(row * 4 + (inner_id >> 2) + top);
   ray r = view_ray(x + REAL(shift_x), y + REAL(shift_y), scene);
   r.active &= (x < REAL(right)) & (y < REAL(bottom));
+#ifdef ROUND_PICTURE
+  r.active &= in_picture(x + REAL(C(0.5)), y + REAL(C(0.5)), scene);
+#endif
   return r;
 }
 

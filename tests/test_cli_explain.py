@@ -71,6 +71,22 @@ def test_a_plain_scene_leaves_all_effects_out(explain: Callable[..., Result]) ->
     assert "-cl-std=CL1.2" in said["compiler options"]
 
 
+def test_the_camera_and_its_samples_are_named(explain: Callable[..., Result]) -> None:
+    said = rows(explain("plain.yaml"))
+    assert said["camera"] == "perspective"
+    assert said["picture"] == "960 x 540, 4 samples a pixel, box filter, seed 0"
+    changes = {
+        "camera.projection": "{equirectangular: {}}",
+        "camera.stereo": "{layout: top-bottom, distance: 0.1}",
+        "render": "{filter: tent, seed: 7, samples: 2}",
+    }
+    sets = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
+    said = rows(explain("plain.yaml", *sets))
+    assert said["camera"] == "equirectangular, stereo top-bottom, eyes 0.1 apart"
+    assert said["picture"] == "1024 x 1024, 2 samples a pixel, tent filter, seed 7"
+    assert "camera/omnidirectional.h" in said["kernel files"]
+
+
 def test_a_rich_scene_names_what_it_calls_for(explain: Callable[..., Result]) -> None:
     said = rows(explain("rich.yaml"))
     assert "seifert-weber" in said["space"]

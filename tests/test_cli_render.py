@@ -187,6 +187,10 @@ def test_a_missing_directory_is_found_before_rendering(
         (["scene.yaml", "-o", "a.png", "--size", "5"], "not of the form WxH, for example 960x540"),
         (["scene.yaml", "-o", "a.png", "--crop", "0,0,0,5"], "holds no pixel"),
         (["scene.yaml", "-o", "a.png", "--crop", "0,0,9,5"], "reaches beyond the picture of 8x6 pixels"),
+        (
+            ["scene.yaml", "-o", "a.png", "--size", "9x6", "--set", "camera.stereo={layout: side-by-side}"],
+            "--size 9x6: each eye has half of the width, and 9 is odd",
+        ),
         (["scene.yaml", "-o", "a.png", "--crop", "1,2,3"], "not of the form X0,Y0,X1,Y1"),
         (["scene.yaml", "-o", "a.png", "--lanes", "3"], "'3' is not one of '1', '4', '8'"),
         (["scene.yaml", "-o", "a.png", "--samples", "0"], "0 is not in the range"),

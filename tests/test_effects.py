@@ -13,7 +13,8 @@ from golden import Array, constant
 import thurston_cl as tc
 from thurston_cl.device import Device
 from thurston_cl.program import kernel_text
-from thurston_cl.rendering import Tile, TileRenderer, sample_shifts
+from thurston_cl.rendering import Tile, TileRenderer
+from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import load_text
 from thurston_cl.scene.effect_files import EFFECTS
 from thurston_cl.scene.placement import CameraFrame, Placement

@@ -18,7 +18,9 @@ from thurston_cl.device import Device
 from thurston_cl.errors import ThurstonError
 from thurston_cl.image import Image
 from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, build_widest
+from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
+from thurston_cl.scene.picture import View, size_problem, views
 from thurston_cl.scene.plan import Plan, make_plan
 
 CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
@@ -81,7 +83,8 @@ def render(
 ) -> Image:
     """Render a scene to an image with the given channels; the arguments replace what the scene says.
 
-    crop: (left, top, right, bottom) in pixels of the whole picture; the image holds that part. finish:
+    size: of the whole picture, both eyes included. crop: (left, top, right, bottom) in pixels of that; the
+    image holds that part. finish:
     "packet", "refill" or "auto". progress: called with (done, total) after every tile and sample; what it
     raises ends the rendering. Channels: beauty (H,W,3) linear Rec.709; depth (H,W), arc length, inf where
     nothing is hit; normal (H,W,3) in the frame at the hit point; steps (H,W); object (H,W), 0 for nothing,
@@ -109,10 +112,15 @@ def render(
     whole = size or settings.size
     if any(side < 1 or side != int(side) for side in whole):
         raise ValueError(f"size {tuple(whole)}; expected two whole numbers from 1")
+    layout = scene.camera.layout
+    if problem := size_problem(scene.camera.projection.kind, layout, whole):
+        raise ValueError("; ".join(problem))
     area = _checked_crop(crop, whole)
     plan = make_plan(scene, device=chosen, size=whole, channels=channels)
     renderer = TileRenderer(plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish)
-    image_channels, statistics = _render_tiles(renderer, area, samples, channels, progress)
+    shifts = sample_shifts(samples, settings.filter, settings.seed)
+    seen = [view for view in views(layout, whole, area) if "beauty" in channels or view.all_channels]
+    image_channels, statistics = _render_tiles(renderer, seen, area, shifts, channels, progress)
     if statistics["out_of_steps"] > TOLD_OUT_OF_STEPS * statistics["rays"]:
         share = statistics["out_of_steps"] / statistics["rays"]
         warnings.warn(
@@ -198,18 +206,6 @@ def tiles(area: tuple[int, int, int, int], side: int) -> Iterator[Tile]:
             yield Tile(x, y, min(side, right - x), min(side, bottom - y))
 
 
-def sample_shifts(count: int) -> NDArray[np.float64]:
-    """Where in a pixel its samples lie, (count, 2) in [0, 1): the first in the centre, the others evenly
-    spread.
-
-    The sequence is Roberts' R2 (steps of the powers of 1/1.3247..., the plastic number); pixels are
-    box-filtered.
-    """
-    plastic = 1.32471795724474602596
-    steps = np.arange(count)[:, None] * np.array([1 / plastic, 1 / plastic**2])
-    return (0.5 + steps) % 1.0
-
-
 class TileRenderer:
     """The program of one plan, its buffers, and how to run it over one tile."""
 
@@ -230,7 +226,9 @@ class TileRenderer:
                 f"the scene has {plan.numbers.size} numbers, more than the {room} bytes for constants on "
                 f"{device.info.name} hold; use fewer translates of lights"
             )
-        self._numbers = cl.Buffer(device.context, flags, hostbuf=plan.numbers.astype(self.dtype))
+        self._eyes = [
+            cl.Buffer(device.context, flags, hostbuf=numbers.astype(self.dtype)) for numbers in plan.eyes
+        ]
         self._next_cell = cl.Buffer(device.context, flags, hostbuf=np.ascontiguousarray(plan.next_cell))
         self._seen_from = cl.Buffer(device.context, flags, hostbuf=plan.seen_from.astype(self.dtype))
         self._kernels = {
@@ -238,6 +236,11 @@ class TileRenderer:
         }
         self._side = TILE_SIDE.get(device.info.kind, TILE_SIDE_ELSEWHERE)
         self._room = 0
+        self.look_through(0)
+
+    def look_through(self, eye: int) -> None:
+        """Go on with the eye of this number, 0 for the left or only one."""
+        self._eye = eye
         self._looked = False
 
     @property
@@ -255,7 +258,8 @@ class TileRenderer:
         """Trace and shade all samples of a tile.
 
         Returns its channels, (height, width) or (height, width, 3), beauty summed over the samples and the
-        others of the first one; and the counts of `COUNTS`, over all samples.
+        others of the first one; and the counts of `COUNTS` and of the rays, over all samples. Pixels that are
+        not marched are black.
         """
         import pyopencl as cl
 
@@ -272,7 +276,12 @@ class TileRenderer:
         )
         with values.base:
             counts = {name: float(values[place].sum(dtype=np.float64)) for name, place in COUNTS.items()}
+            # Padding, and what is outside a round picture.
+            unmarched = (values[_PLACES["steps"]] == 0) & (values[_PLACES["object"]] == 0)
+            counts["rays"] = float(np.count_nonzero(~unmarched)) * len(shifts)
             found = {name: _unblock(values, _PLACES[name], tile) for name in channels}
+            if "beauty" in found:
+                found["beauty"][_unblock(unmarched[None], (0,), tile)] = 0
         return found, counts
 
     def trace(self, tile: Tile, shift: NDArray[np.float64], finish: str) -> None:
@@ -305,24 +314,29 @@ class TileRenderer:
         if self._looked:
             self.trace(tile, shift, self.finish)
             return
-        self._looked = True
         self.trace(tile, shift, "packet" if self.finish == "auto" else self.finish)
-        t, steps = self._first_look(tile)
+        t, steps, _, end = self._first_look(tile)
+        marched = (steps > 0) | (end > 0)
+        # A tile may lie outside a round picture.
+        self._looked = bool(marched.any())
+        if not self._looked:
+            return
         if self.finish == "auto":
             # How many lanes of a packet wait for the others?
             packets = steps.reshape(-1, self.lanes)
             utilisation = steps.sum() / max(1.0, packets.max(axis=1).sum() * self.lanes)
             self.finish = "refill" if utilisation < REFILL_BELOW_UTILISATION else "packet"
-        if np.all(t[steps > 0] == 0):
+        if np.all(t[marched] == 0):
+            who = "camera" if len(self.plan.eyes) == 1 else ("left eye", "right eye")[self._eye]
             raise self.plan.scene.error_at(
-                ("camera",), "the camera is inside an object: no ray gets anywhere", "move it into the open"
+                ("camera",), f"the {who} is inside an object: no ray gets anywhere", "move it into the open"
             )
 
     def _first_look(self, tile: Tile) -> NDArray[np.floating]:
-        """Arc length and steps (2, pixels) of the rays just traced, the head of their records."""
+        """Arc length, steps, cell and end (4, pixels) of the rays just traced, the head of their records."""
         import pyopencl as cl
 
-        result = np.empty((2, tile.pixels), self.dtype)
+        result = np.empty((4, tile.pixels), self.dtype)
         cl.enqueue_copy(self.device.queue, result, self._records)
         return result
 
@@ -337,7 +351,7 @@ class TileRenderer:
 
         steps = np.int32(self.plan.scene.render.steps)
         kernel = self._kernels[name]
-        kernel.set_args(*arguments, steps, self._numbers, self._next_cell, self._seen_from, *last)
+        kernel.set_args(*arguments, steps, self._eyes[self._eye], self._next_cell, self._seen_from, *last)
         event = cl.enqueue_nd_range_kernel(self.device.queue, kernel, (items,), (group,))
         event.wait()
         self.kernel_seconds += (event.profile.end - event.profile.start) * 1e-9
@@ -365,8 +379,9 @@ def _unblock(values: NDArray[np.floating], places: Sequence[int], tile: Tile) ->
 
 def _render_tiles(
     renderer: TileRenderer,
+    seen: Sequence[View],
     area: tuple[int, int, int, int],
-    samples: int,
+    shifts: NDArray[np.float64],
     channels: Collection[str],
     progress: Callable[[int, int], None] | None,
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
@@ -376,12 +391,9 @@ def _render_tiles(
         integer = name in ("object", "cell")
         shape = (height, width, 3) if name in ("beauty", "normal") else (height, width)
         result[name] = np.zeros(shape, np.uint32 if integer else np.float32)
-    counts = dict.fromkeys(COUNTS, 0)
-    shifts = sample_shifts(samples)
-    all_tiles = list(tiles(area, renderer.side))
-    # The middle first: it says how to go on.
-    all_tiles.insert(0, all_tiles.pop(len(all_tiles) // 2))
-    done, total = 0, len(all_tiles) * samples
+    counts = dict.fromkeys(("rays", *COUNTS), 0)
+    work = [(view, list(tiles(view.area, renderer.side))) for view in seen]
+    done, total = 0, len(shifts) * sum(len(view_tiles) for _, view_tiles in work)
 
     def after_sample() -> None:
         nonlocal done
@@ -389,17 +401,20 @@ def _render_tiles(
         if progress is not None:
             progress(done, total)
 
-    for tile in all_tiles:
-        found, tile_counts = renderer.run(tile, shifts, channels, after_sample)
-        rows = slice(tile.top - area[1], tile.top - area[1] + tile.height)
-        columns = slice(tile.left - area[0], tile.left - area[0] + tile.width)
-        for name, count in tile_counts.items():
-            counts[name] += round(count)
-        for name, values in found.items():
-            result[name][rows, columns] = values / samples if name == "beauty" else values
-    statistics: dict[str, Any] = {
-        "rays": width * height * samples,
-        **counts,
-        "kernel_seconds": renderer.kernel_seconds,
-    }
-    return result, statistics
+    for view, view_tiles in work:
+        renderer.look_through(view.eye)
+        wanted = [name for name in channels if name == "beauty" or view.all_channels]
+        # The middle first: it says how to go on.
+        view_tiles.insert(0, view_tiles.pop(len(view_tiles) // 2))
+        for tile in view_tiles:
+            found, tile_counts = renderer.run(tile, shifts, wanted, after_sample)
+            top, left = tile.top - view.area[1] + view.top, tile.left - view.area[0] + view.left
+            place = np.s_[top : top + tile.height, left : left + tile.width]
+            for name, count in tile_counts.items():
+                counts[name] += round(count)
+            for name, values in found.items():
+                if name == "beauty":
+                    result[name][place][..., view.colors] = values[..., view.colors] / len(shifts)
+                else:
+                    result[name][place] = values
+    return result, {**counts, "kernel_seconds": renderer.kernel_seconds}

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
 from .base import Node, Problem
 from .context import Context
 from .points import Point
-from .values import Angle, Direction, FieldOfView, Number
+from .values import Angle, Direction, FieldOfView, Number, ViewAngle
 
 
 class Look(Node):
@@ -92,17 +92,100 @@ class Perspective(Node):
     hints: ClassVar[Mapping[str, str]] = {"fov": "'fov' stands in the camera itself: camera: {fov: 60 deg}"}
 
 
-class Projection(Node):
-    """How directions at the camera become places in the picture."""
+class Equirectangular(Node):
+    """All directions: 360 deg from the left to the right edge, which continue each other, and 180 deg from
+    the camera's up, at the top edge, to its down. Forward is in the middle. A picture is twice as wide as it
+    is high.
+    """
 
-    what = "a projection"
-    example = "projection: {perspective: {}}"
-    one_of = ("perspective",)
+    what = "an equirectangular projection"
+    example = "equirectangular: {}"
     hints: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("fisheye", "equirectangular", "orthographic", "panorama"), "this version has perspective only"
+        ("angle", "fov"), "it has all directions: write 'equirectangular: {}'"
     )
 
-    perspective: Perspective = Field(description="Straight lines through one point.")
+
+class Fisheye(Node):
+    """An equidistant fisheye: angles from forward grow evenly from the middle of a circle as wide as the
+    shorter side of the picture. What is outside the circle is black, and not marched.
+    """
+
+    what = "a fisheye"
+    example = "fisheye: {angle: 180 deg}"
+    hints: ClassVar[Mapping[str, str]] = {"fov": "did you mean 'angle'?"}
+
+    angle: ViewAngle = Field(
+        default=math.pi,
+        description="Angle of view across the circle, up to 360 deg.",
+        json_schema_extra={"default": "180 deg"},
+    )
+
+
+class Dome(Fisheye):
+    """A fulldome master: an equidistant fisheye about the camera's up, in the middle. Forward, the front of
+    the dome, is at the bottom; left and right are as the audience has them.
+    """
+
+    what = "a dome"
+    example = "dome: {angle: 180 deg, tilt: 15 deg}"
+
+    tilt: Angle = Field(
+        default=0.0,
+        description="How far the dome leans to the front: the middle is this far from up, towards forward.",
+        json_schema_extra={"default": "0 deg"},
+    )
+
+
+class Projection(Node):
+    """How directions at the camera become places in the picture. In every geometry this happens in the
+    tangent space; from there rays go along geodesics.
+    """
+
+    what = "a projection"
+    example = "projection: {equirectangular: {}}"
+    one_of = ("perspective", "equirectangular", "fisheye", "dome")
+    hints: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("panorama", "spherical", "360", "latlong"), "did you mean 'equirectangular'?"),
+        **dict.fromkeys(("fulldome", "planetarium", "domemaster"), "did you mean 'dome'?"),
+        "orthographic": "there is none: in curved space lines that start parallel do not stay so",
+    }
+
+    perspective: Perspective | None = Field(default=None, description="Straight lines through one point.")
+    equirectangular: Equirectangular | None = Field(default=None, description="A panorama all around.")
+    fisheye: Fisheye | None = Field(default=None, description="A circle about forward.")
+    dome: Dome | None = Field(default=None, description="A circle about up, for the dome of a planetarium.")
+
+    @property
+    def kind(self) -> str:
+        """Which of the projections this is."""
+        return next(key for key in self.one_of if getattr(self, key) is not None)
+
+
+class Stereo(Node):
+    """Two eyes, to the left and right of where the camera stands, which is their nose: each is reached along
+    the geodesic to that side, and looks the way that parallel transport gives it (paper, 3.6), with parallel
+    views. In an equirectangular picture the eyes turn with the column that is looked at (omnidirectional
+    stereo).
+    """
+
+    what = "stereo"
+    example = "stereo: {layout: side-by-side, distance: 0.064}"
+    hints: ClassVar[Mapping[str, str]] = {
+        "separation": "did you mean 'distance'?",
+        "baseline": "did you mean 'distance'?",
+        "convergence": "views are parallel: shift the pictures against each other afterwards",
+    }
+
+    layout: Literal["side-by-side", "top-bottom", "anaglyph"] = Field(
+        description="How the pictures of the eyes share the file: `side-by-side`, the left eye at the left, "
+        "each with half of the width; `top-bottom`, the left eye on top, each with half of the height; "
+        "`anaglyph`, red from the left eye, green and blue from the right, and the other channels from the "
+        "left."
+    )
+    distance: Number = Field(
+        default=0.064,
+        description="How far the eyes are apart. Below 0 they change places, to be looked at cross-eyed.",
+    )
 
 
 # Where the camera stands and looks if the scene does not say. In a manifold beside the middle of the cell,
@@ -133,13 +216,31 @@ class Camera(Node):
     )
     fov: FieldOfView = Field(
         default=math.radians(80),
-        description="Angle of view from bottom to top, between 0 and 180 deg.",
+        description="Angle of view from bottom to top, between 0 and 180 deg; of the perspective projection.",
         json_schema_extra={"default": "80 deg"},
     )
     projection: Projection = Field(
         default=Projection(perspective=Perspective()),
         description="How directions become places in the picture.",
     )
+    stereo: Stereo | None = Field(default=None, description="Two eyes. Left out: there is one.")
+
+    @property
+    def layout(self) -> str | None:
+        """How the pictures of two eyes share the file; None for one eye."""
+        return None if self.stereo is None else self.stereo.layout
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        kind = self.projection.kind
+        if "fov" in self.model_fields_set and kind != "perspective":
+            cure = {
+                "equirectangular": "leave it out: there all directions are seen",
+                "fisheye": "leave it out and write 'projection: {fisheye: {angle: 180 deg}}'",
+                "dome": "leave it out and write 'projection: {dome: {angle: 180 deg}}'",
+            }
+            yield Problem(
+                ("fov",), f"'fov' belongs to the perspective projection, not to {kind}", cure[kind], True
+            )
 
     @classmethod
     def fill(cls, data: dict[str, Any], context: Context) -> None:

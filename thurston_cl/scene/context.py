@@ -8,6 +8,8 @@ from pydantic import BaseModel, ValidationError, ValidationInfo
 
 from thurston_cl.models import GEOMETRIES
 
+from .picture import DEFAULT_SIZES, GRIDS
+
 if TYPE_CHECKING:
     from thurston_cl.lattice import Lattice
 
@@ -25,6 +27,9 @@ class Context:
     sections: dict[str, Mapping[str, Any]] = field(
         default_factory=dict
     )  # "materials", "textures": as written
+    # What decides the shape of the picture; as the defaults have it where it is wrong.
+    projection: str = "perspective"
+    layout: str | None = None
     lattice: "Lattice | None" = None  # of the scene's manifold, once that is checked
     _entries: dict[tuple[str, str], Any] = field(default_factory=dict)
 
@@ -33,7 +38,13 @@ class Context:
         """The context of a scene that is not checked yet."""
         geometry = data.get("geometry")
         sections = {name: data.get(name) for name in ("materials", "textures")}
+        camera = _mapping(data, "camera")
+        layout = _mapping(camera, "stereo").get("layout")
         return cls(
+            projection=next(
+                (key for key in _mapping(camera, "projection") if key in DEFAULT_SIZES), "perspective"
+            ),
+            layout=layout if isinstance(layout, str) and layout in GRIDS else None,
             geometry=geometry if geometry in GEOMETRIES else None,
             manifold=data.get("manifold") is not None,
             sections={name: section for name, section in sections.items() if isinstance(section, dict)},
@@ -53,6 +64,11 @@ class Context:
             self._entries[section, name] = entry
         found: Model | None = self._entries[section, name]
         return found
+
+
+def _mapping(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    value = data.get(key)
+    return value if isinstance(value, dict) else {}
 
 
 def context_of(info: ValidationInfo) -> Context:

@@ -2,6 +2,7 @@
 double.
 """
 
+import copy
 from collections.abc import Iterable
 
 import numpy as np
@@ -59,10 +60,14 @@ class Placement:
             if length == 0:
                 return origin(name)
             point = self.geometry.flow(vector / length, length)[0][0]
-        height = abs(point[2]) if name == "sol" else 0.0
+        self.check_near(point)
+        return point
+
+    def check_near(self, point: Array) -> None:
+        """ValueError for a point (4,) next to which coordinates have no digits left."""
+        height = abs(point[2]) if self.geometry.name == "sol" else 0.0
         if not (np.all(np.abs(point) < FARTHEST) and height < np.log(FARTHEST)):
             raise ValueError("this point is too far away to be computed with")
-        return point
 
     def isometry(
         self, where: "schema.ModelPoint | tuple[float, float, float]", turns: Iterable[schema.Rotation] = ()
@@ -138,6 +143,16 @@ class CameraFrame:
             axis = {"yaw": up, "pitch": right, "roll": forward}[kind]
             self.frame = self.frame @ Rotation.from_rotvec(axis * amount).as_matrix().T
         self.frame = self.frame / np.linalg.norm(self.frame, axis=1, keepdims=True)
+
+    def eye(self, reach: float) -> "CameraFrame":
+        """The camera of an eye, `reach` to the right of this one along the geodesic there, with the frame
+        transported along. ValueError for eyes that are too far away.
+        """
+        eye = copy.copy(self)
+        if reach != 0:
+            eye._move("right", reach)
+            self._place.check_near(eye.point)
+        return eye
 
     def carry(self, lattice: Lattice) -> bool:
         """Lead the camera into the cell by a group element; False where it finds no way there."""

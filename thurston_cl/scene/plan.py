@@ -19,6 +19,7 @@ from thurston_cl.scene.cost import Cost, predict
 from thurston_cl.scene.near_walls import choose_near_walls
 from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import CameraFrame, Placement
+from thurston_cl.scene.write_camera import write_camera
 from thurston_cl.scene.write_light import write_air, write_lights, write_seen
 from thurston_cl.scene.write_objects import write_objects
 from thurston_cl.scene.write_walls import write_walls
@@ -50,13 +51,13 @@ LIT_CELLS = 131072
 
 @dataclass
 class Plan:
-    """One program for one scene, with its numbers. `numbers`, `next_cell` and `seen_from` fill the kernels'
-    buffers.
+    """One program for one scene, with its numbers. `eyes` (the numbers as each eye has them, the left or only
+    one first), `next_cell` and `seen_from` fill the kernels' buffers.
     """
 
     scene: schema.Scene
     source: Source
-    numbers: NDArray[np.float64]
+    eyes: tuple[NDArray[np.float64], ...]
     next_cell: NDArray[np.int32]
     seen_from: NDArray[np.float64]
     near_walls: str
@@ -88,6 +89,11 @@ class Plan:
         costs = predict(self.scene.geometry, {file: self.asked.get(file, 1) for file in named.values()})
         return {name: costs[file] for name, file in named.items()}
 
+    @property
+    def numbers(self) -> NDArray[np.float64]:
+        """The numbers of the left or only eye."""
+        return self.eyes[0]
+
     def explain(self) -> dict[str, str]:
         """What the scene calls for and what is left out, in the order in which to say it."""
         settings = self.scene.render
@@ -110,9 +116,11 @@ class Plan:
             "predicted cost": "\n".join(
                 ["of the first rays", *(f"{name}: {cost}" for name, cost in self.costs.items())]
             ),
+            "camera": _camera_words(self.scene.camera),
             "kernel files": ", ".join(self.parts),
             "numbers": str(len(self.numbers)),
-            "picture": f"{settings.size[0]} x {settings.size[1]}, {settings.samples} samples a pixel",
+            "picture": f"{settings.size[0]} x {settings.size[1]}, {settings.samples} samples a pixel, "
+            f"{settings.filter} filter, seed {settings.seed}",
             "steps": f"at most {settings.steps} a ray",
         }
 
@@ -143,7 +151,7 @@ def make_plan(
 
     object_images = write_objects(writer)
     write_walls(writer)
-    _write_camera(writer, camera, size or scene.render.size)
+    eyes = write_camera(writer, camera, size or scene.render.size)
     objects = writer.text()
     light_images = write_lights(writer, camera)
     write_air(writer)
@@ -156,7 +164,7 @@ def make_plan(
     return Plan(
         scene,
         source,
-        np.array(numbers.values),
+        eyes.buffers(np.array(numbers.values)),
         next_cell,
         # No buffer may be empty.
         np.array(writer.seen_from).ravel() if writer.seen_from else np.zeros(1),
@@ -165,6 +173,12 @@ def make_plan(
         light_images,
         writer.asked,
     )
+
+
+def _camera_words(camera: schema.Camera) -> str:
+    if camera.stereo is None:
+        return camera.projection.kind
+    return f"{camera.projection.kind}, stereo {camera.stereo.layout}, eyes {camera.stereo.distance:g} apart"
 
 
 def _far(scene: schema.Scene) -> float:
@@ -189,19 +203,6 @@ def _camera(scene: schema.Scene, place: Placement) -> CameraFrame:
     return camera
 
 
-def _write_camera(writer: Writer, camera: CameraFrame, size: tuple[int, int]) -> None:
-    half_height = float(np.tan(0.5 * writer.scene.camera.fov))
-    place = writer.numbers.add([*camera.point, *camera.frame.ravel(), half_height, *size])
-    writer.parts.add("camera/perspective.h")
-    writer.function(
-        "ray view_ray(real x, real y, scene_data scene)",
-        [
-            f"point p = four_numbers(scene, {place});",
-            f"return new_ray(p, push(p, perspective(x, y, scene, {place})));",
-        ],
-    )
-
-
 def _cells(scene: schema.Scene, wanted: Collection[str]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """The cells (C,n,n) that rays keep track of and the cells behind their walls; of neither any where no
     channel and no light asks for it.
@@ -216,12 +217,14 @@ def _cells(scene: schema.Scene, wanted: Collection[str]) -> tuple[NDArray[np.flo
 
 
 def _defines(writer: Writer) -> dict[str, str | int]:
-    """The defines that effects and a lattice take."""
+    """The defines that effects, a round picture and a lattice take."""
     defines: dict[str, str | int] = {}
     if "light/reflection.h" in writer.parts:
         defines["REFLECTIONS"] = 1
     if "light/shadow_ray.h" in writer.parts and "light/point.h" in writer.parts:
         defines["POINT_SHADOWS"] = 1
+    if "camera/fisheye.h" in writer.parts:
+        defines["ROUND_PICTURE"] = 1
     if writer.lattice is not None:
         defines["IN_QUOTIENT"] = 1
         if writer.creeping:
@@ -243,7 +246,10 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         "scene_types.h",
         *under("shape", "pattern"),
         "march.h",
-        *under("cells.h", "camera"),
+        *under("cells.h"),
+        # What each projection starts from, and then in the order of the alphabet.
+        "camera/frame.h",
+        *(part for part in under("camera") if part != "camera/frame.h"),
         "scene objects",
         *before,
         "scene light",

@@ -13,7 +13,7 @@ from thurston_cl.errors import SceneError
 from thurston_cl.models import GEOMETRIES
 
 from .base import Node, Problem, problem, shown
-from .camera import Camera, Look, Perspective, Projection, Step
+from .camera import Camera, Dome, Equirectangular, Fisheye, Look, Perspective, Projection, Step, Stereo
 from .context import Context
 from .effects import AmbientOcclusion, Effects, ExponentialFog, Fog, LinearFog, Reflections
 from .lights import HardShadows, Light, PointLight, Shadows, SoftShadows, Sun, Within
@@ -183,6 +183,7 @@ class Scene(Node):
     @classmethod
     def fill(cls, data: dict[str, Any], context: Context) -> None:
         data.setdefault("camera", {})
+        data.setdefault("render", {})
 
     def error_at(
         self, location: Location, message: str, help: str | None = None, *, key: bool = False
@@ -216,8 +217,11 @@ __all__ = [
     "Color",
     "Context",
     "Cylinder",
+    "Dome",
     "Effects",
+    "Equirectangular",
     "ExponentialFog",
+    "Fisheye",
     "Fog",
     "Grid",
     "HalfSpace",
@@ -248,6 +252,7 @@ __all__ = [
     "SoftShadows",
     "Solid",
     "Step",
+    "Stereo",
     "Sun",
     "Tile",
     "TorusBundle",

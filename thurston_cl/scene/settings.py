@@ -1,13 +1,14 @@
 """How a picture is worked out, and the files it goes to."""
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from .base import Node, Problem, raised
 from .context import Context
-from .values import AtLeast, Exposure, OutputFile, PixelSize, Positive, Samples, Steps
+from .picture import default_size, size_problem
+from .values import AtLeast, Exposure, OutputFile, PixelSize, Positive, Samples, Seed, Steps
 
 
 class RenderSettings(Node):
@@ -19,9 +20,24 @@ class RenderSettings(Node):
         "accuracy": "accuracy targets are not available yet; set 'threshold' and 'precision' by hand",
     }
 
-    size: PixelSize = Field(default=(960, 540), description="Width and height of the picture in pixels.")
+    size: PixelSize = Field(
+        default=(960, 540),
+        description="Width and height of the picture in pixels, with both eyes where they stand beside or "
+        "over each other. Left out: for each eye this; [1024, 512] where it is equirectangular; [720, 720] "
+        "for a fisheye or dome.",
+    )
     samples: Samples = Field(
         default=4, description="Rays for each pixel, spread over it evenly; more give smoother edges."
+    )
+    filter: Literal["box", "tent", "gaussian"] = Field(
+        default="box",
+        description="How densely the rays of a pixel lie about its middle, along both axes: `box` evenly, in "
+        "the pixel; `tent` as 1 − |x|, up to 1 pixel away; `gaussian` as exp(−2 x²), up to 1.5 pixels away.",
+    )
+    seed: Seed = Field(
+        default=0,
+        description="Which rays of a pixel are taken; the same seed gives the same picture. With 0 the first "
+        "ray, to which the channels beside the picture belong, goes through the middle.",
     )
     precision: Literal["auto", "single", "double"] = Field(
         default="auto", description="Arithmetic of the kernels. `auto` is single."
@@ -48,7 +64,13 @@ class RenderSettings(Node):
         "`refill` starts new ones in their place. The picture is the same.",
     )
 
+    @classmethod
+    def fill(cls, data: dict[str, Any], context: Context) -> None:
+        data.setdefault("size", list(default_size(context.projection, context.layout)))
+
     def check(self, context: Context) -> Iterator[Problem]:
+        if problem := size_problem(context.projection, context.layout, self.size):
+            yield Problem(("size",), *problem)
         if self.distance != "auto" and context.geometry is not None and not context.manifold:
             yield Problem(("distance",), f"distance: {self.distance} needs a manifold", "leave it out", True)
         if self.far is not None and self.far <= self.threshold:

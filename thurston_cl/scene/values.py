@@ -85,6 +85,9 @@ Weight = Annotated[float, Ge(0), Le(1), BeforeValidator(_number), Says("number f
 Count = Annotated[int, Ge(1), BeforeValidator(whole_number), Says("whole number ≥ 1")]
 Pixels = Annotated[int, Ge(1), Le(16384), BeforeValidator(whole_number)]
 Samples = Annotated[int, Ge(1), Le(4096), BeforeValidator(whole_number), Says("whole number from 1 to 4096")]
+Seed = Annotated[
+    int, Ge(0), Le(1_000_000), BeforeValidator(whole_number), Says("whole number from 0 to 1000000")
+]
 Steps = Annotated[
     int, Ge(1), Le(100_000), BeforeValidator(whole_number), Says("whole number from 1 to 100000")
 ]
@@ -137,12 +140,22 @@ def _field_of_view(angle: float) -> float:
     if angle >= math.pi:
         raise problem(
             "a perspective view is between 0 and 180 deg",
-            "wider views need a fisheye or equirectangular projection, and this version has perspective only",
+            "wider views need another projection: 'projection: {fisheye: {angle: 200 deg}}' without 'fov'",
         )
     return angle
 
 
 FieldOfView = Annotated[Angle, AfterValidator(_field_of_view)]
+
+
+def _view_angle(angle: float) -> float:
+    # A full turn in degrees is rounded.
+    if not 0 < angle <= 2 * math.pi * (1 + 1e-12):
+        raise problem("an angle of view is greater than 0 deg and at most 360 deg")
+    return angle
+
+
+ViewAngle = Annotated[Angle, AfterValidator(_view_angle)]
 
 
 @dataclass(frozen=True)
