@@ -33,7 +33,8 @@
 // The place of a tile in the picture, its width with padding, and the place of the sample in its pixel. Pixels of the padding,
 // from `right` and `bottom` on, are not marched, nor are those whose middle is outside a round picture.
 #define TILE int left, int top, int right, int bottom, int width, scalar shift_x, scalar shift_y
-#define SCENE_ARGUMENTS __constant const scalar *numbers, __global const int *next_cell, __global const scalar *seen_from
+#define SCENE_ARGUMENTS __constant const scalar *numbers, __global const int *next_cell, __global const scalar *seen_from, \
+                        __global const scalar *texels
 #define TILE_ARGUMENTS left, top, right, bottom, width, shift_x, shift_y
 
 FN ray start(lane_int id, scene_data scene, TILE)
@@ -55,7 +56,7 @@ FN real end_of(ray r, mask out_of_steps) { return SELECT(r.hit, REAL(1), SELECT(
 // One work-item marches one packet of LANES neighbouring pixels until the last ray has ended.
 __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_steps, SCENE_ARGUMENTS)
 {
-  scene_data scene = {numbers, next_cell, seen_from};
+  scene_data scene = {numbers, next_cell, seen_from, texels};
   size_t packet = get_global_id(0);
   ray r = start((int)packet * LANES + LANE_IDS, scene, TILE_ARGUMENTS);
   r = march(r, number(scene, FAR), max_steps, scene);
@@ -77,7 +78,7 @@ __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_s
 // lanes the next pixels. Better where the lengths of rays in a packet differ much.
 __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_steps, SCENE_ARGUMENTS, int chunk)
 {
-  scene_data scene = {numbers, next_cell, seen_from};
+  scene_data scene = {numbers, next_cell, seen_from, texels};
   int first = (int)get_global_id(0) * chunk, next = first + LANES, end = first + chunk;
   int_lanes id;
   id.lanes = first + LANE_IDS;
@@ -129,7 +130,7 @@ FN void add_to(real v, int channel, int sample, __global scalar *pixels, int str
 __kernel void shade(__global const scalar *records, __global scalar *pixels, int stride, int sample, int max_steps,
                     SCENE_ARGUMENTS)
 {
-  scene_data scene = {numbers, next_cell, seen_from};
+  scene_data scene = {numbers, next_cell, seen_from, texels};
   size_t packet = get_global_id(0);
   real record[12];
   for (int c = 0; c < 12; c++) record[c] = LOAD(packet, records + (size_t)c * stride);

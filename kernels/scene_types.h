@@ -2,17 +2,20 @@
 //
 // All numbers of a scene stand in one constant buffer, so that moving things needs no rebuild. Tables of cells, empty unless
 // rays keep track of theirs: next_cell has, row by row, the cell behind each wall; seen_from has, for each light that is not
-// repeated, its place as seen from each cell (4 numbers).
+// repeated, its place as seen from each cell (4 numbers). texels has the images, empty where there are none (pattern/image.h).
 typedef struct {
   __constant const scalar *numbers;
   __global const int *next_cell;
   __global const scalar *seen_from;
+  __global const scalar *texels;
   int skipped;  // the number of the lamp that is left out of distances, or 0
 } scene_data;
 
 // The scene numbers every program has, first in the buffer.
 #define HIT_THRESHOLD 0
 #define FAR 1
+// The angle between the rays of neighbouring pixels.
+#define PIXEL_ANGLE 2
 
 FN real number(scene_data scene, int k) { return REAL(scene.numbers[k]); }
 

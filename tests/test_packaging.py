@@ -20,7 +20,7 @@ PACKAGES = {
     "cli": "thurston_cl/cli",
     "scenes": "thurston_cl/scenes",
 }
-SUFFIXES = (".py", ".cl", ".h", ".yaml", ".typed", ".ocio")
+SUFFIXES = (".py", ".cl", ".h", ".yaml", ".typed", ".ocio", ".jpg")
 
 
 def sources(root: Path) -> set[str]:

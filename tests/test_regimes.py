@@ -35,6 +35,7 @@ from thurston_cl.program import kernel_text
 R, T, M, S = "test_regimes", "test_twisted", "test_marching", "test_shapes_fibred"
 SOL = "test_shapes_sol"
 E = "test_effects"
+IMAGE = "test_texture_image"
 _ITERATIONS = f"{T}.test_the_bound_of_iterations_is_far_from_what_is_needed"
 _LENGTHS = f"{R}.test_lengths_go_on_over_the_seams_of_the_solver"
 _LIGHT = "test_light_falloff.test_light_fades_by_its_law_until_it_is_far_brighter_than_white"
@@ -143,6 +144,12 @@ SEAMS: dict[str, dict[str, tuple[str, ...]]] = {
     "shape/bisected_half_space.h": {
         "PROBE": (f"{S}.test_bisection_ends_at_the_crossing",),
         "HALVINGS": (f"{S}.test_bisection_ends_at_the_crossing", "at.epsilon"),
+    },
+    "pattern/image.h": {
+        "IMAGE_HEAD": (f"{IMAGE}.test_look_up_against_the_reference", "len(levels)"),
+        "IMAGE_LEVEL": (f"{IMAGE}.test_look_up_against_the_reference", "len(levels)"),
+        "TEXEL_PAGE": (f"{IMAGE}.test_texels_are_found_on_both_sides_of_a_page",),
+        "FOOTPRINT_STEP": (f"{IMAGE}.test_spread_on_a_ball",),
     },
     "light/falloff_area.h": {"AREA_DENSITY_FLOOR": (_LIGHT,)},
     "light/falloff_inverse.h": {"LENGTH_FLOOR": (_LIGHT,)},

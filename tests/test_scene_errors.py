@@ -731,6 +731,63 @@ MISTAKES = {
     "bands without a color": Mistake(
         f"{E3}textures: {{a: {{bands: {{colors: []}}}}}}\n", "3:32", "expected at least 1 entry, found 0"
     ),
+    "strips of one color": Mistake(
+        f"{E3}textures: {{a: {{strips: {{colors: [red]}}}}}}\n",
+        "3:33",
+        "expected at least 2 entries, found 1",
+    ),
+    "strips across a letter": Mistake(
+        f"{E3}textures: {{a: {{strips: {{across: u}}}}}}\n", "3:33", "'u' is not one of: first, second"
+    ),
+    "strips for a material": Mistake(
+        f"{E3}materials: {{a: {{strips: {{}}}}}}\n",
+        "3:17",
+        "unknown key 'strips'",
+        "'color: {strips: ...}'",
+    ),
+    "image for a material": Mistake(
+        f"{E3}materials: {{a: {{image: earth}}}}\n", "3:17", "unknown key 'image'", "'color: {image: ...}'"
+    ),
+    "missing image": Mistake(
+        f"{E3}textures: {{a: {{image: no-such-file.jpg}}}}\n",
+        "3:23",
+        "there is no image file 'no-such-file.jpg'",
+        "it is looked for in ",
+        schema=False,
+    ),
+    "misspelt picture of the program": Mistake(
+        f"{E3}textures: {{a: {{image: erth}}}}\n",
+        "3:23",
+        "no picture 'erth' comes with the program",
+        "did you mean 'earth'?",
+        schema=False,
+    ),
+    "unknown picture of the program": Mistake(
+        f"{E3}textures: {{a: {{image: {{file: qqqq}}}}}}\n",
+        "3:30",
+        "no picture 'qqqq' comes with the program",
+        "these pictures come with the program: earth; the name of a file has a suffix, as in qqqq.jpg",
+        schema=False,
+    ),
+    "image without a file": Mistake(
+        f"{E3}textures: {{a: {{image: {{size: 1}}}}}}\n", "3:23", "an image needs the key 'file'"
+    ),
+    "number for an image": Mistake(
+        f"{E3}textures: {{a: {{image: {{file: 7}}}}}}\n",
+        "3:30",
+        "expected the name of an image file, found 7",
+        "for example photo.jpg",
+    ),
+    "image of no size": Mistake(
+        f"{E3}textures: {{a: {{image: {{file: earth, size: 0}}}}}}\n",
+        "3:43",
+        "size must be greater than 0; this is 0",
+    ),
+    "image of three sizes": Mistake(
+        f"{E3}textures: {{a: {{image: {{file: earth, size: [1, 1, 1]}}}}}}\n",
+        "3:43",
+        "expected 2 numbers [w, h], found 3",
+    ),
     "bands of half a line": Mistake(
         f"{E3}textures: {{a: {{bands: {{count: 0.5}}}}}}\n", "3:31", "expected a whole number, found 0.5"
     ),
@@ -738,7 +795,7 @@ MISTAKES = {
         f"{E3}materials: {{a: {{bands: {{}}}}}}\n", "3:17", "unknown key 'bands'", "'color: {bands: ...}'"
     ),
     "stripes": Mistake(
-        f"{E3}textures: {{a: {{stripes: {{}}}}}}\n", "3:16", "unknown key 'stripes'", "did you mean 'bands'?"
+        f"{E3}textures: {{a: {{stripes: {{}}}}}}\n", "3:16", "unknown key 'stripes'", "did you mean 'strips'?"
     ),
     "colour": Mistake(
         f"{E3}materials: {{a: {{colour: red}}}}\n", "3:17", "unknown key 'colour'", "did you mean 'color'?"

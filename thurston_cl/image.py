@@ -47,6 +47,8 @@ _PREFIX = "thurston:"
 _LINEAR, _SRGB = "lin_rec709_scene", "srgb_rec709_scene"
 # Always given: a broken $OCIO must not break a render.
 _COLOR_CONFIG = str(Path(__file__).with_name("film.ocio"))
+# The color spaces that other people's files name, which film.ocio need not have.
+_FILE_CONFIG = "ocio://default"
 _DISPLAY = "sRGB"
 # Rows handled at a time: bounds the memory of a large picture. A multiple of the 16 rows that zip packs.
 _BAND = 256
@@ -441,6 +443,65 @@ def read_image(path: str | os.PathLike[str]) -> Image:
     if not channels:
         raise MissingFileError(f"{what}: no channel of ours in it, only {', '.join(planes)}")
     return Image(channels, metadata)
+
+
+# ----------------------------------------------------------------------------------------------- textures
+
+# A side of a larger picture is finer than the largest picture we render, and its texels fill memory.
+MOST_TEXELS = 16384
+
+
+def read_texture(path: str | os.PathLike[str]) -> NDArray[np.float32]:
+    """Read the colors of an image file, (H,W,3), top row first, linear Rec.709.
+
+    From the color space that the file names, else sRGB for integers and linear for floats. Gray has three
+    equal colors; alpha is ignored, and does not darken. Raises MissingFileError, its text starting with the
+    path, where the file is damaged, no image, larger than MOST_TEXELS a side, or holds NaN or infinity.
+    """
+    pixels, spaces = _raw_colors(path)
+    for space in spaces:
+        converted = oiio.ImageBufAlgo.colorconvert(_buffer(pixels), space, _LINEAR, colorconfig=_FILE_CONFIG)
+        # The name that a file gives may be one that OpenColorIO does not know.
+        if not converted.has_error:
+            break
+        converted.geterror()
+    colors = _pixels(converted, f"{path}: cannot be brought from {space} to {_LINEAR}")
+    return np.ascontiguousarray(np.broadcast_to(colors, (*colors.shape[:2], 3)), np.float32)
+
+
+def _raw_colors(path: str | os.PathLike[str]) -> tuple[NDArray[np.float32], list[str]]:
+    """The colors as they stand in the file, (H,W,3), and their color spaces to try in turn."""
+    as_is = oiio.ImageSpec()
+    # Colors as they stand, not times alpha.
+    as_is["oiio:UnassociatedAlpha"] = 1
+    file = check(
+        oiio.ImageInput.open(os.fspath(path), as_is),
+        oiio,
+        f"{path}: is no image that can be read",
+        MissingFileError,
+    )
+    try:
+        spec = file.spec()
+        if max(spec.width, spec.height) > MOST_TEXELS or spec.depth > 1:
+            size = f"{spec.width} x {spec.height}" + (f" x {spec.depth}" if spec.depth > 1 else "")
+            raise MissingFileError(f"{path}: is {size}, more than {MOST_TEXELS} x {MOST_TEXELS} pixels")
+        names = list(spec.channelnames)
+        planes = [names.index(name) for name in "RGB" if name in names]
+        if len(planes) < 3:
+            planes = [0, 1, 2] if len(names) > 2 else [0, 0, 0]
+        what = f"{path}: is damaged"
+        pixels = check(file.read_image(0, 0, 0, spec.nchannels, "float"), file, what, MissingFileError)
+        # Of a file cut short the library gives what there is, and says so.
+        check(not file.has_error, file, what, MissingFileError)
+        spaces = [_LINEAR if str(spec.format) in ("half", "float", "double") else _SRGB]
+        if named := spec.getattribute("oiio:ColorSpace"):
+            spaces.insert(0, str(named))
+    finally:
+        file.close()
+    colors = np.ascontiguousarray(np.asarray(pixels).reshape(spec.height, spec.width, -1)[..., planes])
+    if not np.isfinite(colors).all():
+        raise MissingFileError(f"{path}: holds NaN or infinity, which is no color")
+    return colors, spaces
 
 
 # -------------------------------------------------------------------------------------------------- comparing

@@ -22,6 +22,7 @@ from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
 from thurston_cl.scene.picture import View, size_problem, views
 from thurston_cl.scene.plan import Plan, make_plan
+from thurston_cl.scene.texels import images_of
 
 CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
 
@@ -231,6 +232,7 @@ class TileRenderer:
         ]
         self._next_cell = cl.Buffer(device.context, flags, hostbuf=np.ascontiguousarray(plan.next_cell))
         self._seen_from = cl.Buffer(device.context, flags, hostbuf=plan.seen_from.astype(self.dtype))
+        self._texels = cl.Buffer(device.context, flags, hostbuf=self._checked_texels())
         self._kernels = {
             name: cl.Kernel(self.program, name) for name in ("trace_packet", "trace_refill", "shade")
         }
@@ -242,6 +244,20 @@ class TileRenderer:
         """Go on with the eye of this number, 0 for the left or only one."""
         self._eye = eye
         self._looked = False
+
+    def _checked_texels(self) -> NDArray[np.floating]:
+        """The images in the precision of the picture; SceneError where the device has no buffer for them."""
+        needed = self.plan.texels.size * self.dtype.itemsize
+        most = self.device.context.devices[0].max_mem_alloc_size
+        if needed > most:
+            location = next(location for location, _ in images_of(self.plan.scene))
+            raise self.plan.scene.error_at(
+                location,
+                f"the images of the scene take {needed} bytes, more than the {most} of one buffer on "
+                f"{self.device.info.name}",
+                "scale them down",
+            )
+        return self.plan.texels.astype(self.dtype)
 
     @property
     def side(self) -> int:
@@ -351,7 +367,8 @@ class TileRenderer:
 
         steps = np.int32(self.plan.scene.render.steps)
         kernel = self._kernels[name]
-        kernel.set_args(*arguments, steps, self._eyes[self._eye], self._next_cell, self._seen_from, *last)
+        tables = (self._eyes[self._eye], self._next_cell, self._seen_from, self._texels)
+        kernel.set_args(*arguments, steps, *tables, *last)
         event = cl.enqueue_nd_range_kernel(self.device.queue, kernel, (items,), (group,))
         event.wait()
         self.kernel_seconds += (event.profile.end - event.profile.start) * 1e-9

@@ -5,7 +5,8 @@ typedef struct {
   shading s;
 } look;
 
-FN look look_at(ray r, int max_steps, scene_data scene, work *done)
+// Of a ray whose way from the eye has this length.
+FN look look_at(ray r, real length, int max_steps, scene_data scene, work *done)
 {
   look l;
   direction none = {REAL(0), REAL(0), REAL(0)};
@@ -15,7 +16,7 @@ FN look look_at(ray r, int max_steps, scene_data scene, work *done)
   l.s.normal = none;
   if (!ANY(r.hit)) return l;
   covector gradient;
-  scene_surface(r.p, &l.object, &l.cell, &gradient, &l.s.m, scene);
+  scene_surface(r.p, r.v, length, &l.object, &l.cell, &gradient, &l.s.m, scene);
   direction g = pull_covector(r.p, gradient), u = pull(r.p, r.v);
   l.s.p = r.p;
   l.s.cell = r.cell;

@@ -5,7 +5,7 @@ FN real3_lanes seen_with_reflections(ray r, look *first, int depth, int max_step
   real3_lanes seen = {REAL(0), REAL(0), REAL(0)};
   real share = REAL(1), from = REAL(0);
   for (int bounce = 0;; bounce++) {
-    look l = look_at(r, max_steps, scene, done);
+    look l = look_at(r, from + r.t, max_steps, scene, done);
     if (bounce == 0) *first = l;
     real mirrored = bounce < depth ? SELECT(r.hit, l.s.m.reflectivity, REAL(0)) : REAL(0);
     real to = SELECT(r.hit, from + r.t, REAL(INFINITY));

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from pydantic import BaseModel, ValidationError, ValidationInfo
@@ -31,11 +32,12 @@ class Context:
     projection: str = "perspective"
     layout: str | None = None
     lattice: "Lattice | None" = None  # of the scene's manifold, once that is checked
+    folder: Path = field(default_factory=Path.cwd)  # of the scene, from which the files are that it names
     _entries: dict[tuple[str, str], Any] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, data: Mapping[str, Any]) -> Self:
-        """The context of a scene that is not checked yet."""
+    def of(cls, data: Mapping[str, Any], folder: Path | None = None) -> Self:
+        """The context of a scene that is not checked yet, in a folder (default: the current one)."""
         geometry = data.get("geometry")
         sections = {name: data.get(name) for name in ("materials", "textures")}
         camera = _mapping(data, "camera")
@@ -48,6 +50,7 @@ class Context:
             geometry=geometry if geometry in GEOMETRIES else None,
             manifold=data.get("manifold") is not None,
             sections={name: section for name, section in sections.items() if isinstance(section, dict)},
+            folder=Path.cwd() if folder is None else folder.absolute(),
         )
 
     def names(self, section: str) -> list[str]:

@@ -14,6 +14,8 @@ OCCLUSION = 0.8
 # By geometry, in steps: one geodesic to a light with Phong's formula, and the area density at its end.
 LIGHT = {"e3": 1.2, "s3": 0.8, "h3": 1.1, "s2xe": 0.5, "h2xe": 0.6, "nil": 0.8, "sl2": 1.0, "sol": 3.0}
 AREA = {"e3": 0.1, "s3": 0.3, "h3": 0.1, "s2xe": 0.2, "h2xe": 0.1, "nil": 0.1, "sl2": 0.1, "sol": 4.7}
+# The surface at two more places, in steps, for the beam of a pixel on an image.
+FOOTPRINT = 2.0
 # How many geodesics are solved for where all up to a length count.
 GEODESICS_WITHIN = 3
 # What is a few operations for each surface point.
@@ -48,6 +50,8 @@ def predict(geometry: str, asked: Mapping[str, float]) -> dict[str, Cost]:
                 work, steps = "looks along the normal", OCCLUSION
             case "light/reflection.h":
                 work, steps = "mirrored rays", MIRRORED_STEPS
+            case "pattern/image.h":
+                work, steps = "footprints", FOOTPRINT + AREA[geometry]
             case _:
                 work, steps = "evaluations", LITTLE
         costs[file] = Cost(work, count, count * steps / FIRST_STEPS)

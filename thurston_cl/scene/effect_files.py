@@ -7,6 +7,8 @@ EFFECTS = {
     "checker": "pattern/checker.h",
     "grid": "pattern/grid.h",
     "bands": "pattern/bands.h",
+    "strips": "pattern/strips.h",
+    "image": "pattern/image.h",
     "cell ids": "cells.h",
     "light along straight lines": "light/direction_field.h",
     "sun": "light/sun.h",

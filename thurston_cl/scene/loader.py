@@ -75,7 +75,7 @@ def load_text(
     diagnostics += _unused_params(document.data, used_before | substitution.used, source)
 
     reported = {mistake.location for mistake in document.mistakes if mistake.location} | substitution.broken
-    context = Context.of(substitution.data)
+    context = Context.of(substitution.data, None if path is None else path.parent)
     try:
         scene = Scene.model_validate(substitution.data, context=context)
     except ValidationError as error:

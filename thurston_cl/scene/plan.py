@@ -19,7 +19,7 @@ from thurston_cl.scene.cost import Cost, predict
 from thurston_cl.scene.near_walls import choose_near_walls
 from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import CameraFrame, Placement
-from thurston_cl.scene.write_camera import write_camera
+from thurston_cl.scene.write_camera import pixel_angle, write_camera
 from thurston_cl.scene.write_light import write_air, write_lights, write_seen
 from thurston_cl.scene.write_objects import write_objects
 from thurston_cl.scene.write_walls import write_walls
@@ -52,7 +52,7 @@ LIT_CELLS = 131072
 @dataclass
 class Plan:
     """One program for one scene, with its numbers. `eyes` (the numbers as each eye has them, the left or only
-    one first), `next_cell` and `seen_from` fill the kernels' buffers.
+    one first), `next_cell`, `seen_from` and `texels` fill the kernels' buffers.
     """
 
     scene: schema.Scene
@@ -60,6 +60,7 @@ class Plan:
     eyes: tuple[NDArray[np.float64], ...]
     next_cell: NDArray[np.int32]
     seen_from: NDArray[np.float64]
+    texels: NDArray[np.float32]
     near_walls: str
     object_images: int
     light_images: int
@@ -143,7 +144,8 @@ def make_plan(
     device = device or devices.choose()
     wanted = {channel for output in scene.outputs for channel in output.channels} | set(channels)
     geometry = for_few_points(scene.geometry, device)
-    numbers = Numbers([scene.render.threshold, _far(scene)])
+    size = size or scene.render.size
+    numbers = Numbers([scene.render.threshold, _far(scene), pixel_angle(scene.camera, size)])
     place = Placement(geometry)
     cells, next_cell = _cells(scene, wanted)
     writer = Writer(scene, geometry, numbers, choose_near_walls(scene), cells, switch)
@@ -151,7 +153,7 @@ def make_plan(
 
     object_images = write_objects(writer)
     write_walls(writer)
-    eyes = write_camera(writer, camera, size or scene.render.size)
+    eyes = write_camera(writer, camera, size)
     objects = writer.text()
     light_images = write_lights(writer, camera)
     write_air(writer)
@@ -168,6 +170,7 @@ def make_plan(
         next_cell,
         # No buffer may be empty.
         np.array(writer.seen_from).ravel() if writer.seen_from else np.zeros(1),
+        writer.texels.buffer(),
         writer.near_walls,
         object_images,
         light_images,

@@ -38,7 +38,7 @@ from .shapes import (
 )
 from .source import Problems, SceneSource
 from .suggest import nearest
-from .surfaces import Bands, Checker, Grid, Material, Pattern
+from .surfaces import Bands, Checker, Grid, ImageTexture, Material, Pattern, Strips
 from .values import AtLeast, Color, ColorValue, Name, ParamName, ParamValue, Says, color
 
 if TYPE_CHECKING:
@@ -227,6 +227,7 @@ __all__ = [
     "HalfSpace",
     "HardShadows",
     "Horoball",
+    "ImageTexture",
     "Light",
     "LinearFog",
     "Look",
@@ -253,6 +254,7 @@ __all__ = [
     "Solid",
     "Step",
     "Stereo",
+    "Strips",
     "Sun",
     "Tile",
     "TorusBundle",

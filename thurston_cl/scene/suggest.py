@@ -98,7 +98,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "space": ("geometry",),
     "sphere": ("ball",),
     "spin": ("rotate",),
-    "stripes": ("bands",),
+    "stripes": ("strips", "bands"),
     "spp": ("samples",),
     "squares": ("count",),
     "strength": ("intensity",),

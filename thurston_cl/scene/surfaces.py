@@ -1,12 +1,13 @@
 """Surfaces: patterns, and materials by Phong's model."""
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo
 
 from .base import Node, Problem, problem, shown
 from .context import Context, context_of
+from .image_file import ImageFileValue
 from .suggest import did_you_mean, listing
 from .values import (
     NAME_PATTERN,
@@ -19,6 +20,7 @@ from .values import (
     Positive,
     Says,
     SquareCount,
+    TwoLengths,
     Weight,
     color,
     to_color,
@@ -78,6 +80,54 @@ class Bands(Node):
     )
 
 
+class Strips(Node):
+    """Strips of equal width side by side, in colors that take turns."""
+
+    what = "strips"
+    example = "strips: {count: 12, colors: [white, tomato, gold]}"
+
+    count: Count = Field(
+        default=8,
+        description="How many strips: once around a ball or cylinder, and from pole to pole of a ball; in "
+        "every other direction for each unit of length.",
+    )
+    across: Literal["first", "second"] = Field(
+        default="first",
+        description="The [surface coordinate](#patterns-on-surfaces) along which strip follows strip: on a "
+        "ball `first` is from meridian to meridian, `second` from parallel to parallel.",
+    )
+    colors: Annotated[tuple[ColorValue, ...], AtLeast(2)] = Field(
+        default=(color("white"), color("#335577")),
+        description="The colors, in this order. Around a ball or cylinder they meet again if their number "
+        "divides count.",
+    )
+
+
+class ImageTexture(Node):
+    """A picture from a file: once around a ball, its middle towards x and its top towards z, or repeated.
+
+    Also written as the name of the file alone. 8-bit and 16-bit files are read as sRGB and files of floats as
+    linear light, unless they say otherwise. Transparent parts are as opaque as the rest.
+    """
+
+    what = "an image"
+    example = "image: {file: earth, size: [1, 1]}"
+
+    file: ImageFileValue = Field(
+        description="The image: a file of at most 16384 x 16384 pixels, found from the folder of the scene, "
+        "or `earth`, a map of the Earth that comes with the program."
+    )
+    size: TwoLengths = Field(
+        default=(1.0, 1.0),
+        description="Width and height of one image: as parts of a turn around a ball or cylinder, and of the "
+        "way from pole to pole of a ball; in every other direction as lengths.",
+    )
+
+
+def _image(value: Any) -> Any:
+    return {"file": value} if isinstance(value, str) else value
+
+
 def _two_colors(value: Any) -> Any:
     if not isinstance(value, (list, tuple)) or len(value) != 2:
         found = f"{len(value)}" if isinstance(value, (list, tuple)) else shown(value)
@@ -90,13 +140,20 @@ class Pattern(Node):
 
     what = "a pattern"
     example = "checker: {count: 8, colors: [white, black]}"
-    one_of = ("checker", "grid", "bands")
+    one_of = ("checker", "grid", "bands", "strips", "image")
 
     checker: Checker | None = Field(default=None, description="A checkerboard of two colors.")
     grid: Grid | None = Field(default=None, description="Lines in one color on ground of another.")
     bands: Bands | None = Field(
         default=None, description="Lines in one direction, in colors that take turns."
     )
+    strips: Strips | None = Field(default=None, description="Strips side by side, in colors that take turns.")
+    image: Annotated[
+        ImageTexture | None,
+        BeforeValidator(_image),
+        Also(({"type": "string", "pattern": r"\S"},)),
+        Says("[image texture](#image-texture), or the name of its file alone"),
+    ] = Field(default=None, description="A picture from a file.")
 
 
 def _paint(value: Any, info: ValidationInfo) -> Any:
@@ -134,6 +191,8 @@ class Material(Node):
         "checker": "a pattern is a color: write 'color: {checker: ...}'",
         "grid": "a pattern is a color: write 'color: {grid: ...}'",
         "bands": "a pattern is a color: write 'color: {bands: ...}'",
+        "strips": "a pattern is a color: write 'color: {strips: ...}'",
+        "image": "a pattern is a color: write 'color: {image: ...}'",
         "reflection": "did you mean 'reflectivity'?",
         "mirror": "write 'reflectivity: 0.5', and 'reflections: {depth: 1}' in the effects of the scene",
     }

@@ -261,6 +261,23 @@ SquareCount = Annotated[
 ]
 
 
+def _lengths(value: object) -> object:
+    if isinstance(value, (list, tuple)):
+        return _list_of(2, "[w, h]")(value)
+    number = _number(value)
+    return number, number
+
+
+TwoLengths = Annotated[
+    tuple[Positive, Positive],
+    BeforeValidator(_lengths),
+    Also(
+        ({"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": PARAM_PATTERN}),
+    ),
+    Says("number > 0, or two of them `[w, h]`"),
+]
+
+
 @dataclass(frozen=True)
 class Color:
     """A color: `linear` red, green and blue with the primaries of Rec.709, and how it was `written`."""

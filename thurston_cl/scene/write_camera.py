@@ -58,6 +58,16 @@ def write_camera(writer: Writer, camera: CameraFrame, size: Size) -> Eyes:
     return Eyes(first, np.array(rows))
 
 
+def pixel_angle(camera: schema.Camera, size: Size) -> float:
+    """The angle between the rays of neighbouring pixels, in the middle of a picture of `size`."""
+    width, height = eye_size(camera.layout, size)
+    circle = camera.projection.fisheye or camera.projection.dome
+    if circle is not None:
+        return circle.angle / min(width, height)
+    perspective = camera.projection.perspective is not None
+    return (2 * math.tan(0.5 * camera.fov) if perspective else math.pi) / height
+
+
 def _facing(projection: schema.Projection, frame: Array) -> Array:
     """Right, up and forward of the picture (rows): a dome is a fisheye that looks up, its back on top."""
     if projection.dome is None:

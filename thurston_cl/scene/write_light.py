@@ -255,7 +255,7 @@ def write_seen(writer: Writer) -> None:
     """Add scene_seen: what a ray shows that has ended."""
     writer.parts.add("light/look.h")
     body = [
-        "*first = look_at(r, max_steps, scene, done);",
+        "*first = look_at(r, r.t, max_steps, scene, done);",
         "return scene_air(first->color, scene_clear(SELECT(r.hit, r.t, REAL(INFINITY)), scene), scene);",
     ]
     if writer.reflections:

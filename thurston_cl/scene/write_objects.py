@@ -22,6 +22,7 @@ from thurston_cl.scene import schema
 from thurston_cl.scene.near_walls import balls_over_walls, bounds_of, images, is_hollow
 from thurston_cl.scene.numbers import Numbers, components, homogeneous
 from thurston_cl.scene.placement import X_AXIS, Z_AXIS
+from thurston_cl.scene.texels import MOST_LEVELS
 from thurston_cl.scene.writer import DIRECTED, Writer
 
 Array = NDArray[np.float64]
@@ -37,6 +38,8 @@ def write_objects(writer: Writer) -> int:
         "*m = none;",
         "mask nearer;",
     ]
+    if any(_image_of(solid) is not None for solid in writer.scene.objects):
+        surface += ["point q = p;", "surface on_image = best;"]
     if writer.cell_ids:
         surface.append("real seen_from = *cell;")
     count = 0
@@ -59,7 +62,10 @@ def write_objects(writer: Writer) -> int:
             f"real object_{k}_distance(point p, vector v, scene_data scene)", [f"return {text.distance};"]
         )
         writer.function(
-            f"surface object_{k}_surface(point p, scene_data scene)", [*text.lines, f"return {text.name};"]
+            f"surface object_{k}_surface(point p, scene_data scene)",
+            [*text.lines, f"return {text.name};"],
+            # Of an image it is asked for at three points.
+            called=_image_of(solid) is not None,
         )
         material = _material(solid.material, writer, "s")
         writer.function(
@@ -70,35 +76,43 @@ def write_objects(writer: Writer) -> int:
         if writer.lattice is not None and len(seen):
             if not distance:
                 distance.append("real distance = REAL(INFINITY);")
-            more_distance, more_surface = _over_walls(writer, writer.lattice, k, seen)
+            more_distance, more_surface = _over_walls(writer, writer.lattice, k, solid, seen)
             surface += more_surface
         else:
             own = f"object_{k}_distance(p, v, scene)"
             more_distance = [f"distance = fmin(distance, {own});" if distance else f"real distance = {own};"]
-            surface += [f"s = object_{k}_surface(p, scene);", *_take_nearer(k)]
+            surface += [f"s = object_{k}_surface(p, scene);", *_take_nearer(k, solid)]
         distance += [f"if (scene.skipped != {k}) {{", *more_distance, "}"] if k in lamps else more_distance
     writer.function(
         "real scene_distance(point p, vector v, scene_data scene)", [*distance, "return distance;"]
     )
     writer.function(
-        "void scene_surface(point p, real *object, real *cell, covector *gradient, material *m,"
-        " scene_data scene)",
-        [*surface, "*gradient = best.gradient;"],
+        "void scene_surface(point p, vector v, real t, real *object, real *cell, covector *gradient,"
+        " material *m, scene_data scene)",
+        [*surface, "*gradient = best.gradient;", *_write_images(writer)],
     )
     return count
 
 
-def _take_nearer(k: int) -> list[str]:
-    """Keep the surface s of object k where it is the nearest so far."""
+def _take_nearer(k: int, solid: schema.Solid, seen_at: str = "p", own: str = "s") -> list[str]:
+    """Keep the surface s of object k where it is the nearest so far; of an image also the point at which, and
+    the surface as which, the object sees it itself.
+    """
+    kept = []
+    if _image_of(solid) is not None:
+        kept = [f"q = select_4(nearer, {seen_at}, q);", f"on_image = nearer_of({own}, on_image, nearer);"]
     return [
         "nearer = s.distance < best.distance;",
+        *kept,
         "best = nearer_of(s, best, nearer);",
         f"*object = SELECT(nearer, REAL({k}), *object);",
         f"*m = select_material(nearer, object_{k}_material(s, scene), *m);",
     ]
 
 
-def _over_walls(writer: Writer, lattice: Lattice, k: int, seen: Array) -> tuple[list[str], list[str]]:
+def _over_walls(
+    writer: Writer, lattice: Lattice, k: int, solid: schema.Solid, seen: Array
+) -> tuple[list[str], list[str]]:
     """Distance and surface of object k and its images: the object itself, seen from the moved point. It takes
     part in the loop, so that its text is compiled once.
     """
@@ -120,21 +134,23 @@ def _over_walls(writer: Writer, lattice: Lattice, k: int, seen: Array) -> tuple[
         "}",
     ]
     surface = [
-        f"s = object_{k}_surface({moved}, scene);",
+        f"point there = {moved};",
+        f"surface own = object_{k}_surface(there, scene);",
+        "s = own;",
         f"s.gradient = pull_back(scene, {linear} + 16 * image, s.gradient);",
-        *_take_nearer(k),
+        *_take_nearer(k, solid, "there", "own"),
     ]
     if writer.cell_ids:
         ways = [(), *paths(lattice, seen[1:])]
         longest = max(len(way) for way in ways)
         place = writer.numbers.add(wall for way in ways for wall in (*way, *(-1,) * (longest - len(way))))
         surface += [
-            "real there = seen_from;",
+            "real behind = seen_from;",
             f"for (int step = 0; step < {longest}; step++) {{",
             f"  int wall = (int)scene.numbers[{place} + {longest} * image + step];",
-            "  if (wall >= 0) there = cell_behind(there, nearer, wall, scene);",
+            "  if (wall >= 0) behind = cell_behind(behind, nearer, wall, scene);",
             "}",
-            "*cell = SELECT(nearer, there, *cell);",
+            "*cell = SELECT(nearer, behind, *cell);",
         ]
     return distance, [loop, *(f"  {line}" for line in surface), "}"]
 
@@ -180,8 +196,8 @@ class _SolidText:
         self._place, self._lattice = writer.place, writer.lattice
         self._geometry = writer.geometry.name
         # Only in nil, sl2 and sol a set of balls has coordinates on its surface.
-        plain = isinstance(solid.material.color, schema.Color)
-        self._in_sets = plain or self._geometry in LEFT_INVARIANT
+        self._plain = isinstance(solid.material.color, schema.Color)
+        self._in_sets = self._plain or self._geometry in LEFT_INVARIANT
         self._near_walls, self._hollow = writer.near_walls, is_hollow(solid, self._geometry)
         self._count = 0
         self.lines: list[str] = []
@@ -300,8 +316,14 @@ class _SolidText:
         return alone() if self._lattice.is_dirichlet else self._with_images(centres, radius, alone)
 
     def _equal_balls(self, solid: schema.Solid, outer: Array) -> tuple[Array, float] | None:
-        """Centres (N,4) and radius of a ball, or of a union of balls of one size; None for other solids."""
+        """Centres (N,4) and radius of a ball, or of a union of balls of one size; None for other solids, and
+        where a turn shows that they would lose.
+        """
         frame = compose(self._geometry, outer, self._place.isometry(solid.at, solid.rotate))
+        if self._in_sets and not self._plain:
+            turn = vector_map(self._geometry, frame)[:3, :3]
+            if not np.array_equal(snap(turn), np.eye(3)):
+                return None
         if solid.kind == "ball":
             return act(self._geometry, frame, origin(self._geometry))[None], solid.shape.radius
         if solid.kind != "union":
@@ -386,6 +408,58 @@ class _SolidText:
         return self._complement(self._union(members))
 
 
+def _image_of(solid: schema.Solid) -> "schema.ImageTexture | None":
+    """The image that an object wears, if any."""
+    paint = solid.material.color if isinstance(solid, schema.Object) else None
+    return paint.image if isinstance(paint, schema.Pattern) else None
+
+
+def _write_images(writer: Writer) -> list[str]:
+    """Color the objects that wear images, once it is known which of them is seen, at q as on_image."""
+    lines: list[str] = []
+    for k, solid in enumerate(writer.scene.objects, start=1):
+        texture = _image_of(solid)
+        if texture is None:
+            continue
+        if not lines:
+            writer.parts.add("pattern/image.h")
+            lines.append("footprint f = footprint_of(p, v, t, best.gradient, scene);")
+        levels = writer.texels.add(texture.file)
+        room = [0.0] * (4 * MOST_LEVELS - len(levels))
+        ends = _is_globe(solid) and texture.size[1] == 1
+        place = writer.numbers.add([len(levels) // 4, ends, *texture.size, *levels, *room])
+        writer.function(
+            f"real object_{k}_spread(point q, surface s, footprint f, scene_data scene)",
+            [
+                "direction in_surface[2];",
+                "directions_in_surface(q, s.gradient, in_surface);",
+                "surface beside[2];",
+                "for (int i = 0; i < 2; i++)",
+                f"  beside[i] = object_{k}_surface(moved_along(q, in_surface[i], footprint_step(f)), scene);",
+                "return spread_of(s, beside, f);",
+            ],
+        )
+        lines += [
+            f"nearer = *object == REAL({k});",
+            "if (ANY(nearer)) {",
+            f"  real spread = object_{k}_spread(q, on_image, f, scene);",
+            "  m->color = select_3(nearer, image(on_image.u, on_image.v, spread, scene,"
+            f" {place}), m->color);",
+            "}",
+        ]
+    return lines
+
+
+def _is_globe(solid: schema.Solid) -> bool:
+    """Whether the second coordinate ends at poles wherever one is seen: a ball, or made of balls."""
+    shape = solid.shape
+    if isinstance(shape, tuple):
+        return all(_is_globe(member) for member in shape)
+    if isinstance(shape, schema.Solid):
+        return _is_globe(shape)
+    return solid.kind in ("ball", "pseudo-ball", "tile")
+
+
 def _paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[str], surface: str) -> str:
     """The text of a colour or a pattern on a surface."""
     if isinstance(paint, schema.Color):
@@ -407,6 +481,15 @@ def _paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[
             ]
         )
         return f"bands({surface}, scene, {place}, {len(bands.colors)})"
+    if paint.strips is not None:
+        parts.add("pattern/strips.h")
+        colors = [c for color in paint.strips.colors for c in color.linear]
+        place = numbers.add([paint.strips.count, *colors])
+        coordinate = {"first": "u", "second": "v"}[paint.strips.across]
+        return f"strips({surface}.{coordinate}, scene, {place}, {len(paint.strips.colors)})"
+    if paint.image is not None:
+        # Painted when it is known that this object is seen.
+        return "{REAL(0), REAL(0), REAL(0)}"
     assert paint.grid is not None
     parts.add("pattern/grid.h")
     grid = paint.grid

@@ -13,6 +13,7 @@ from thurston_cl.models import TWISTED
 from thurston_cl.scene import schema
 from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import Placement
+from thurston_cl.scene.texels import Texels
 
 Array = NDArray[np.float64]
 
@@ -51,9 +52,9 @@ class Writer:
 
     `near_walls` is how distance is measured near the walls of the cell. `cells` (C,n,n) are the group
     elements of the cells that rays keep track of, if any; `seen_from` has for each light that is not repeated
-    its place (C,4) as seen from them. `asked` counts, by kernel file, how often a surface point calls for it.
-    `switch`: None, or whether effects are on in a program that has them and asks a number for each whether it
-    is: what assembling saves is measured against that.
+    its place (C,4) as seen from them; `texels` has the images. `asked` counts, by kernel file, how often a
+    surface point calls for it. `switch`: None, or whether effects are on in a program that has them and asks
+    a number for each whether it is: what assembling saves is measured against that.
     """
 
     scene: schema.Scene
@@ -66,6 +67,7 @@ class Writer:
     asked: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
     lines: list[str] = field(default_factory=list)
     seen_from: list[Array] = field(default_factory=list)
+    texels: Texels = field(default_factory=Texels)
 
     @property
     def lattice(self) -> Lattice | None:
@@ -110,9 +112,9 @@ class Writer:
         """Ask for the kernel files of a shape."""
         self.parts |= shape_parts(self.geometry.name, [shape])
 
-    def function(self, head: str, body: list[str]) -> None:
-        """Add one function."""
-        self.lines += [f"FN {head}", "{", *(f"  {line}" for line in body), "}"]
+    def function(self, head: str, body: list[str], *, called: bool = False) -> None:
+        """Add one function: inlined, or where it is `called` compiled once."""
+        self.lines += [f"{'SOLVER' if called else 'FN'} {head}", "{", *(f"  {line}" for line in body), "}"]
 
     def text(self) -> str:
         """The functions added since the last call."""
