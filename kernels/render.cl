@@ -74,6 +74,20 @@ __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_s
   }
 }
 
+// Marches until of the lanes that `owns` names `enough` have ended, or all. *age counts their steps: lanes that reach
+// max_steps end, and are *out_of_steps. Not inlined, as march.
+SOLVER ray march_some(ray r, real *age, mask *out_of_steps, mask owns, int enough, int max_steps, scene_data scene)
+{
+  do {
+    r = march_step(r, number(scene, FAR), scene);
+    *age += REAL(1);
+    mask old = r.active & NOT(*age < REAL(max_steps));
+    *out_of_steps |= old;
+    r.active &= NOT(old);
+  } while (COUNT(owns & NOT(r.active)) < enough && ANY(r.active));
+  return r;
+}
+
 // One work-item owns `chunk` consecutive pixels; when a quarter of its lanes have ended, it records them and gives those
 // lanes the next pixels. Better where the lengths of rays in a packet differ much.
 __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_steps, SCENE_ARGUMENTS, int chunk)
@@ -88,13 +102,8 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
   mask out_of_steps = NOT(owns.lanes);
   real age = REAL(0);
   for (;;) {
-    r = march_step(r, number(scene, FAR), scene);
-    age += REAL(1);
-    mask old = r.active & NOT(age < REAL(max_steps));
-    out_of_steps |= old;
-    r.active &= NOT(old);
+    r = march_some(r, &age, &out_of_steps, owns.lanes, (LANES + 3) / 4, max_steps, scene);
     ended.lanes = owns.lanes & NOT(r.active);
-    if (COUNT(ended.lanes) < (LANES + 3) / 4 && ANY(r.active)) continue;
     real_lanes values[12] = {{r.t}, {r.steps}, {r.cell}, {end_of(r, out_of_steps)}, {r.p.x}, {r.p.y}, {r.p.z}, {r.p.w},
                              {r.v.x}, {r.v.y}, {r.v.z}, {r.v.w}};
     for (int lane = 0; lane < LANES; lane++)

@@ -24,7 +24,8 @@ FN real ambient_occlusion(shading s, mask counted, scene_data scene, int k, work
     height += step;
     real clear = scene_distance(r.p, r.v, scene);
     done->distances += SELECT(counted, REAL(1), REAL(0));
-    hidden += REAL(weight) * fmax(REAL(1) - clear / height, REAL(0));
+    // What pokes into another object is hidden, and no more than that.
+    hidden += REAL(weight) * fmin(fmax(REAL(1) - clear / height, REAL(0)), REAL(1));
     sum += weight;
     weight /= OCCLUSION_RATIO;
   }

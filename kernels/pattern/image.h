@@ -46,7 +46,7 @@ FN void directions_in_surface(point q, covector gradient, direction in_surface[2
   in_surface[1] = cross_3(normal, in_surface[0]);
 }
 
-FN point moved_along(point q, direction u, real step)
+SOLVER point moved_along(point q, direction u, real step)
 {
   vector v = push(q, u);
   flow(&q, &v, step);
@@ -80,7 +80,7 @@ FN int texel_index(int i, int count, int ends) { return i < 0 ? (ends ? 0 : coun
 FN scalar between(scalar a, scalar b, scalar share) { return fma(share, b - a, a); }
 
 // One lane: the colour at (u, v), in units of the image, bilinear in one level.
-FN void texel_color(scalar u, scalar v, int level, scene_data scene, int k, scalar color[3])
+SOLVER void texel_color(scalar u, scalar v, int level, scene_data scene, int k, scalar color[3])
 {
   __constant const scalar *n = scene.numbers + k + IMAGE_HEAD + IMAGE_LEVEL * level;
   int width = (int)n[2], height = (int)n[3], ends = scene.numbers[k + 1] > 0;
@@ -98,7 +98,7 @@ FN void texel_color(scalar u, scalar v, int level, scene_data scene, int k, scal
 }
 
 // The colour at the surface coordinates (u, v), where a pixel covers the area `spread` of them.
-FN real3_lanes image(real u, real v, real spread, scene_data scene, int k)
+SOLVER real3_lanes image(real u, real v, real spread, scene_data scene, int k)
 {
   real across = number(scene, k + 2), up = number(scene, k + 3);
   real texels = spread / (across * up) * number(scene, k + IMAGE_HEAD + 2) * number(scene, k + IMAGE_HEAD + 3);
