@@ -1,6 +1,6 @@
 """How long the programs of scenes take to build, cold and from the caches: from the plan of a scene to its
-second tile, 32 x 32 pixels, one sample. Targets: 6 s and 0.2 s. Processor time: one thread compiles, and others
-on the machine do not change it.
+second tile, 32 x 32 pixels, one sample. Targets: 6 s and 0.2 s. Processor time: one thread compiles, and what
+else the machine does hardly matters.
 
 Run as `python benchmarks/builds.py [SCENE ...]`; without names over the whole library, slowest first.
 """
