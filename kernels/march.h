@@ -68,9 +68,10 @@ FN ray march_step(ray r, real limit, scene_data scene)
 }
 
 // Marches the active lanes until the last has ended; those still active then are out of steps. Not inlined: rays of all kinds
-// share it.
-SOLVER ray march(ray r, real limit, int max_steps, scene_data scene)
+// share it. The loop works on a copy, which stays in registers.
+SOLVER void march(ray *from, real limit, int max_steps, scene_data scene)
 {
+  ray r = *from;
   for (int i = 0; i < max_steps && ANY(r.active); i++) r = march_step(r, limit, scene);
-  return r;
+  *from = r;
 }

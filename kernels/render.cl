@@ -59,7 +59,7 @@ __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_s
   scene_data scene = {numbers, next_cell, seen_from, texels};
   size_t packet = get_global_id(0);
   ray r = start((int)packet * LANES + LANE_IDS, scene, TILE_ARGUMENTS);
-  r = march(r, number(scene, FAR), max_steps, scene);
+  march(&r, number(scene, FAR), max_steps, scene);
   STORE(r.t, packet, records + (size_t)RECORD_T * stride);
   STORE(r.steps, packet, records + (size_t)RECORD_STEPS * stride);
   STORE(r.cell, packet, records + (size_t)RECORD_CELL * stride);
@@ -76,16 +76,21 @@ __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_s
 
 // Marches until of the lanes that `owns` names `enough` have ended, or all. *age counts their steps: lanes that reach
 // max_steps end, and are *out_of_steps. Not inlined, as march.
-SOLVER ray march_some(ray r, real *age, mask *out_of_steps, mask owns, int enough, int max_steps, scene_data scene)
+SOLVER void march_some(ray *from, real *age, mask *out_of_steps, mask owns, int enough, int max_steps, scene_data scene)
 {
+  ray r = *from;
+  real steps = *age;
+  mask old, ended = *out_of_steps;
   do {
     r = march_step(r, number(scene, FAR), scene);
-    *age += REAL(1);
-    mask old = r.active & NOT(*age < REAL(max_steps));
-    *out_of_steps |= old;
+    steps += REAL(1);
+    old = r.active & NOT(steps < REAL(max_steps));
+    ended |= old;
     r.active &= NOT(old);
   } while (COUNT(owns & NOT(r.active)) < enough && ANY(r.active));
-  return r;
+  *from = r;
+  *age = steps;
+  *out_of_steps = ended;
 }
 
 // One work-item owns `chunk` consecutive pixels; when a quarter of its lanes have ended, it records them and gives those
@@ -102,7 +107,7 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
   mask out_of_steps = NOT(owns.lanes);
   real age = REAL(0);
   for (;;) {
-    r = march_some(r, &age, &out_of_steps, owns.lanes, (LANES + 3) / 4, max_steps, scene);
+    march_some(&r, &age, &out_of_steps, owns.lanes, (LANES + 3) / 4, max_steps, scene);
     ended.lanes = owns.lanes & NOT(r.active);
     real_lanes values[12] = {{r.t}, {r.steps}, {r.cell}, {end_of(r, out_of_steps)}, {r.p.x}, {r.p.y}, {r.p.z}, {r.p.w},
                              {r.v.x}, {r.v.y}, {r.v.z}, {r.v.w}};

@@ -171,7 +171,7 @@ SOLVER connection connect(real x, real y, real z, real z_low, int index)
 }
 
 // The height of q over p in two parts and its place in the plane: untranslate(p, q) with what precision cut off the inputs.
-FN connection connect_points(point p, point q, point p_tail, point q_tail, int index)
+SOLVER connection connect_points(point p, point q, point p_tail, point q_tail, int index)
 {
   real x_low, y_low, z_low, twist_low, a_low, b_low;
   real x = two_sum(q.x, -p.x, &x_low), y = two_sum(q.y, -p.y, &y_low), z = two_sum(q.z, -p.z, &z_low);

@@ -141,7 +141,7 @@ FN direction transport(direction u, real t, real tail, direction e)
 }
 
 // Area of the wave front from a point at distance t + tail, per solid angle (paper 10.6 with g1 corrected, collapsed).
-FN real area_density(direction u, real t, real tail)
+SOLVER real area_density(direction u, real t, real tail)
 {
   helix_state h = helix_after(u, t, tail);
   real s1 = stumpff_s1(h.s, h.c0, h.s0);
@@ -286,7 +286,7 @@ SOLVER connection connect(real x, real y, real sg, real w, real w_low, int index
 #define SPLIT_DIRECTION_ABOVE 1
 // untranslate(p, q) with what precision cut off the inputs, and the geodesic from o to it. In H2 as in h3.h; the angle that the
 // fibre coordinate gains has real part 2 + z_p + z_q + (cosh rho - 1), imaginary part x_p d_y - y_p d_x.
-FN connection connect_points(point p, point q, point p_tail, point q_tail, int index)
+SOLVER connection connect_points(point p, point q, point p_tail, point q_tail, int index)
 {
   real d_x = (q.x - p.x) + (q_tail.x - p_tail.x), d_y = (q.y - p.y) + (q_tail.y - p_tail.y);
   real z_p = sheet_height(p.x, p.y), z_q = sheet_height(q.x, q.y), total = z_p + z_q;

@@ -430,7 +430,7 @@ FN real3_lanes difference(point p, point q, point p_tail, point q_tail)
   return d;
 }
 
-FN connection connect_points(point p, point q, point p_tail, point q_tail, int index)
+SOLVER connection connect_points(point p, point q, point p_tail, point q_tail, int index)
 {
   real3_lanes d = difference(p, q, p_tail, q_tail);
   return connect(d.x, d.y, d.z, index, REAL(DIRECTION_TOLERANCE));

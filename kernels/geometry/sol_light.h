@@ -95,7 +95,7 @@ FN real integrated_area(direction u, real t, mask active)
   return SELECT(endless, REAL(NAN), dot_3(f.u, cross_3(f.first.h, f.second.h)));
 }
 
-FN real area_density(direction u, real t, real tail)
+SOLVER real area_density(direction u, real t, real tail)
 {
   // The closed form would make much of a length that is not quite 1.
   u = scale_3(u, rsqrt(dot_3(u, u)));

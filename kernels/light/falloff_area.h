@@ -4,7 +4,4 @@
 // intensity 1 it is a million times what a picture shows as white.
 #define AREA_DENSITY_FLOOR C(1e-6)
 
-// Not inlined, as geodesic_to_light.
-SOLVER real light_area_density(direction u, real length) { return area_density(u, length, REAL(0)); }
-
-FN real falloff_area(arrival a) { return a.intensity / fmax(light_area_density(a.from, a.length), REAL(AREA_DENSITY_FLOOR)); }
+FN real falloff_area(arrival a) { return a.intensity / fmax(area_density(a.from, a.length, REAL(0)), REAL(AREA_DENSITY_FLOOR)); }

@@ -2,7 +2,8 @@
 FN void hard_shadow(shadow_ray q, arrival *a, int max_steps, scene_data scene, work *done)
 {
   mask started = q.r.active;
-  ray r = march(q.r, q.length, max_steps, scene);
+  ray r = q.r;
+  march(&r, q.length, max_steps, scene);
   done->shadow_steps += r.steps;
   done->distances += distances_of(r, started);
   a->lit &= NOT(r.hit);

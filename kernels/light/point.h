@@ -1,7 +1,6 @@
 // point.h - a point light along its k-th geodesic. How it fades is a file of its own: falloff_*.h.
 
-// Not inlined: the solver of a geometry is long, and lights and their shadows ask it at several places.
-SOLVER connection geodesic_to_light(point p, point light, int k)
+FN connection geodesic_to_light(point p, point light, int k)
 {
   point exact = {REAL(0), REAL(0), REAL(0), REAL(0)};
   return connect_points(p, light, exact, exact, k);

@@ -19,7 +19,8 @@ FN real3_lanes seen_with_reflections(ray r, look *first, int depth, int max_step
     ray next = lifted_ray(l.s, scene);
     next.v = push(next.p, add_scaled_3(u, l.s.normal, REAL(-2) * dot_3(u, l.s.normal)));
     next.active = open;
-    r = march(next, number(scene, FAR), max_steps, scene);
+    r = next;
+    march(&r, number(scene, FAR), max_steps, scene);
     done->reflection_steps += r.steps;
     done->distances += distances_of(r, open);
     // One out of steps shows what it came nearest to, as a first ray does.

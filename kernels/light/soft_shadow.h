@@ -2,25 +2,27 @@
 // from the surface: K times the least sin of an angle, up to 1.
 
 // The least quotient of the distance that is clear and the length so far, over the ray; 0 where it meets something.
-SOLVER ray march_softly(ray r, real limit, int max_steps, scene_data scene, real *least)
+SOLVER void march_softly(ray *from, real limit, int max_steps, scene_data scene, real *least_of_all)
 {
-  *least = REAL(INFINITY);
+  ray r = *from;
+  real least = REAL(INFINITY);
   for (int i = 0; i < max_steps && ANY(r.active); i++) {
     mask was_active = r.active;
     real t = r.t;
     r = march_step(r, limit, scene);
-    mask nearer = was_active & (r.clear < *least * t);
-    *least = SELECT(nearer, r.clear / t, *least);
+    mask nearer = was_active & (r.clear < least * t);
+    least = SELECT(nearer, r.clear / t, least);
   }
-  *least = SELECT(r.hit, REAL(0), *least);
-  return r;
+  *least_of_all = SELECT(r.hit, REAL(0), least);
+  *from = r;
 }
 
 FN void soft_shadow(shadow_ray q, arrival *a, real sharpness, int max_steps, scene_data scene, work *done)
 {
   mask started = q.r.active;
   real least;
-  ray r = march_softly(q.r, q.length, max_steps, scene, &least);
+  ray r = q.r;
+  march_softly(&r, q.length, max_steps, scene, &least);
   done->shadow_steps += r.steps;
   done->distances += distances_of(r, started);
   real left = fmin(REAL(1), sharpness * least);
