@@ -33,7 +33,7 @@ FIGURES = {
     "figure 23, bottom",
     "figure 34, left",
     "figure 34, right",
-    *(f"figure {number}" for number in (18, 19, 29, 41, 42, 44, 48, 49, 52, 55, 56, 59)),
+    *(f"figure {number}" for number in (8, 18, 19, 29, 41, 42, 44, 48, 49, 52, 55, 56, 59)),
     *(f"figure {number}({letter})" for number in (27, 35, 47) for letter in "ab"),
     *(f"figure {number}({letter})" for number in (28, 46) for letter in "abcd"),
     "figure 1",
@@ -45,7 +45,7 @@ FIGURES = {
     *(f"figure {number}({letter})" for number in (64, 65) for letter in "abcd"),
 }
 
-# The share of pixels that hit something at least, and at most where rays should also escape. In a tiling of
+# The share of rays that hit something at least, and at most where rays should also escape. In a tiling of
 # e3 or h3 every ray ends on something; windows of s3, the plane's sky, the ends of h3, level rays beside a
 # line of balls and far balls beyond the fog stay open.
 OPEN = {
@@ -64,17 +64,22 @@ OPEN = {
     "s3/one-light": (0.2, 0.7),
     "s3/poincare-ball": (0.4, 0.9),
     "s3/quaternion-edges": (0.5, 0.95),
+    "s2xe/antipodal-fiber-panorama": (0.9, 0.98),
     "s2xe/dodecahedron-along-the-fiber": (0.85, 0.99),
     "s2xe/dodecahedron-along-the-sphere": (0.7, 0.95),
+    "s2xe/dodecahedron-dome": (0.85, 0.97),
     "s2xe/fibers-over-an-icosahedron": (0.3, 0.7),
     "s2xe/line-of-balls": (0.8, 0.97),
     "s2xe/line-of-balls-fake-light": (0.8, 0.97),
     "s2xe/mirrored-sphere": (0.65, 0.9),
     "s2xe/one-light": (0.4, 0.8),
     "h2xe/half-space": (0.6, 0.9),
+    "h2xe/stereo-anaglyph": (0.2, 0.4),
     "nil/bundle-of-fibers": (0.2, 0.6),
     "nil/collection-of-balls": (0.35, 0.65),
     "nil/fibers": (0.9, 0.99),
+    "nil/fibers-panorama": (0.5, 0.8),
+    "nil/globes-omnidirectional": (0.75, 0.95),
     "nil/heisenberg-plane": (0.7, 0.95),
     "nil/horizontal-half-space": (0.85, 0.98),
     "nil/line-of-balls": (0.9, 0.99),
@@ -82,10 +87,14 @@ OPEN = {
     "nil/line-of-balls-four-geodesics": (0.9, 0.99),
     "nil/line-of-balls-sixteen-geodesics": (0.9, 0.99),
     "nil/line-of-balls-two-geodesics": (0.9, 0.99),
+    "nil/parallax-left": (0.1, 0.25),
+    "nil/parallax-middle": (0.25, 0.45),
+    "nil/parallax-right": (0.1, 0.25),
     "nil/sunset": (0.55, 0.8),
     "nil/vertical-half-space-along": (0.55, 0.85),
     "nil/vertical-half-space-behind": (0.5, 0.8),
     "nil/vertical-half-space-facing": (0.4, 0.75),
+    "sl2/fibers-panorama": (0.4, 0.65),
     "sl2/genus-two-balls": (0.9, 0.99),
     "sl2/genus-two-globes": (0.85, 0.98),
     "sl2/globes": (0.75, 0.95),
@@ -103,8 +112,10 @@ OPEN = {
     "sol/cube": (0.25, 0.6),
     "sol/cube-from-a-distance": (0.1, 0.4),
     "sol/cube-lattice": (0.75, 0.95),
+    "sol/cube-stereo": (0.15, 0.35),
     "sol/cylinders": (0.8, 0.98),
     "sol/horizontal-half-space": (0.6, 0.9),
+    "sol/horizontal-planes-panorama": (0.85, 0.97),
     "sol/hyperbolic-grids": (0.2, 0.6),
     "sol/hyperbolic-half-space": (0.75, 0.98),
     "sol/negative-trace-comets": (0.5, 0.85),
@@ -137,7 +148,11 @@ COMPARED = (
 @cache
 def picture(name: str, **settings: Any) -> Image:
     """A small picture of a scene, by one lane unless the settings say otherwise."""
-    return tc.render(tc.load_scene(name), size=SIZE, samples=1, **{"lanes": 1} | settings)
+    scene = tc.load_scene(name)
+    plain = scene.camera.stereo is None and scene.camera.projection.kind == "perspective"
+    # Panoramas and pictures for two eyes keep their shape.
+    size = SIZE if plain else tuple(side // 10 for side in scene.render.size)
+    return tc.render(scene, size=size, samples=1, **{"lanes": 1} | settings)
 
 
 def share(pixels: np.ndarray) -> float:
@@ -200,13 +215,13 @@ def test_six_lines_make_a_scene():
 @pytest.mark.parametrize("name", NAMES)
 def test_scene_renders(name):
     image = picture(name)
-    pixels = SIZE[0] * SIZE[1]
+    rays = image.statistics["rays"]
     assert image.statistics["nan"] == 0
     assert np.isfinite(image.channels["beauty"]).all()
     least, most = OPEN.get(name, (0.97, 1.0))
-    assert least <= image.statistics["hits"] / pixels <= most
+    assert least <= image.statistics["hits"] / rays <= most
     # Rays that get nowhere would show as specks.
-    assert image.statistics["out_of_steps"] <= 0.06 * pixels
+    assert image.statistics["out_of_steps"] <= 0.06 * rays
     # Neither drowned nor blown out, and not one flat tone.
     brightness = image.channels["beauty"].max(axis=2)
     assert brightness.std() > 0.03
@@ -328,3 +343,49 @@ def test_the_ball_inside_the_cell_needs_creeping_only():
     assert not np.any((right == INSIDE) & (creeping != INSIDE) & near)
     # Half a ball covers less than a whole one, and nothing beside it.
     assert share((creeping == ACROSS) & (right != ACROSS)) < 0.002
+
+
+# Figure 8: one ball, seen from its fiber and from either side
+
+EYES = ("left", "middle", "right")
+
+
+def test_the_three_scenes_of_figure_8_differ_in_the_offset_only():
+    texts, offsets = set(), []
+    for eye in EYES:
+        text = library.library_scene(f"nil/parallax-{eye}").path.read_text("utf-8")
+        text, count = re.subn(r"delta: (-?[\d.]+)", "delta: D", re.sub("(?m)^(#|title:).*\n", "", text))
+        assert count == 1
+        texts.add(text)
+        offsets.append(tc.load_scene(f"nil/parallax-{eye}").camera.at.model[0])
+    assert len(texts) == 1
+    assert offsets == [-0.03, 0, 0.03]
+
+
+def test_the_eyes_do_not_agree_on_a_ball_beyond_a_conjugate_point():
+    left, middle, right = (picture(f"nil/parallax-{eye}").channels["object"] == 1 for eye in EYES)
+    center = slice(SIZE[1] // 2 - 2, SIZE[1] // 2 + 2), slice(SIZE[0] // 2 - 2, SIZE[0] // 2 + 2)
+    # From the fiber the ball is a disc. Beside it a half turn about the fiber exchanges the eyes.
+    assert middle[center].all()
+    np.testing.assert_array_equal(left, right[::-1, ::-1])
+    # Either eye sees half of that disc, and not the same half.
+    seen_by_both = np.count_nonzero(left & right) / np.count_nonzero(middle)
+    assert np.count_nonzero(left) < 0.55 * np.count_nonzero(middle)
+    assert seen_by_both < 0.25
+    # As large as a ball of this radius 0.1 away in Euclidean space: 2 asin(0.3) wide.
+    across = np.count_nonzero(middle[SIZE[1] // 2]) / SIZE[1]
+    expected = np.tan(np.arcsin(0.3)) / np.tan(np.radians(22))
+    assert abs(across - expected) < 1.5 / SIZE[1]
+
+
+def test_depth_is_reversed_beyond_a_quarter_of_a_great_circle():
+    image = picture("s3/stereo-depth-reversed")
+    eyes = np.split(image.channels["object"], 2, axis=1)
+    near, at_quarter, far = (
+        np.mean(np.nonzero(eyes[1] == ball)[1]) - np.mean(np.nonzero(eyes[0] == ball)[1])
+        for ball in (1, 2, 3)
+    )
+    # In pixels; 0.064 rad near the direction of view are 3.3 of them, and 3.8 at its side.
+    assert -4.3 < near < -3.3
+    assert abs(at_quarter) < 0.3
+    assert 3.3 < far < 4.3
