@@ -28,6 +28,12 @@ FN real wall_time(point p, vector v, scene_data scene);
 #endif
 // A bound of the distance to the scene; directed shapes (paper 12.3) bound it along v alone.
 FN real scene_distance(point p, vector v, scene_data scene);
+#ifdef CLEARANCE
+// The distance itself in all directions, as near as it is known, for what shades by it; `clear` is what scene_distance says.
+FN real scene_clearance(point p, real clear, scene_data scene);
+#else
+FN real scene_clearance(point p, real clear, scene_data scene) { return clear; }
+#endif
 
 // One step of every active lane towards `limit`. Lanes outside the cell wait: step 0, then the teleport pass moves them on.
 // A NaN fails every comparison, so such a lane stops and is no hit.

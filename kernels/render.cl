@@ -176,6 +176,8 @@ __kernel void shade(__global const scalar *records, __global scalar *pixels, int
   mask hit = r.hit & NOT(bad);
   add_to(SELECT(hit, REAL(1), REAL(0)), SUM_HITS, sample, pixels, stride);
   add_to(SELECT(bad, REAL(1), REAL(0)), SUM_NAN, sample, pixels, stride);
+  // Where fog hides all, nothing is missing.
+  out_of_steps &= scene_clear(r.t, scene) > REAL(0);
   add_to(SELECT(out_of_steps, REAL(1), REAL(0)), SUM_OUT_OF_STEPS, sample, pixels, stride);
   if (sample == 0) {
     STORE(SELECT(hit, r.t, REAL(INFINITY)), packet, pixels + (size_t)FIRST_DEPTH * stride);
@@ -183,7 +185,7 @@ __kernel void shade(__global const scalar *records, __global scalar *pixels, int
     STORE(SELECT(hit, first.s.normal.y, REAL(0)), packet, pixels + (size_t)(FIRST_NORMAL + 1) * stride);
     STORE(SELECT(hit, first.s.normal.z, REAL(0)), packet, pixels + (size_t)(FIRST_NORMAL + 2) * stride);
     STORE(record[RECORD_STEPS], packet, pixels + (size_t)FIRST_STEPS * stride);
-    STORE(SELECT(hit, first.object, REAL(0)), packet, pixels + (size_t)FIRST_OBJECT * stride);
+    STORE(SELECT(hit, first.s.object, REAL(0)), packet, pixels + (size_t)FIRST_OBJECT * stride);
     STORE(SELECT(hit, first.cell + REAL(1), REAL(0)), packet, pixels + (size_t)FIRST_CELL * stride);
   }
 }

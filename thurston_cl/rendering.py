@@ -22,7 +22,7 @@ from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
 from thurston_cl.scene.picture import View, size_problem, views
 from thurston_cl.scene.plan import Plan, make_plan
-from thurston_cl.scene.texels import images_of
+from thurston_cl.scene.texels import image_digests, images_of
 
 CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
 
@@ -177,6 +177,7 @@ def _metadata(
                 "driver": info.driver,
             }
         ),
+        "images": json.dumps(image_digests(scene)),
         "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
     }
 
@@ -293,7 +294,8 @@ class TileRenderer:
         with values.base:
             counts = {name: float(values[place].sum(dtype=np.float64)) for name, place in COUNTS.items()}
             # Padding, and what is outside a round picture.
-            unmarched = (values[_PLACES["steps"]] == 0) & (values[_PLACES["object"]] == 0)
+            seen = values[_PLACES["object"]] + values[COUNTS["nan"]]
+            unmarched = (values[_PLACES["steps"]] == 0) & (seen == 0)
             counts["rays"] = float(np.count_nonzero(~unmarched)) * len(shifts)
             found = {name: _unblock(values, _PLACES[name], tile) for name in channels}
             if "beauty" in found:

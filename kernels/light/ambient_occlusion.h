@@ -11,6 +11,7 @@
 
 FN real ambient_occlusion(shading s, mask counted, scene_data scene, int k, work *done)
 {
+  mask lost = NOT(counted | NOT(counted));
   real height = REAL(0), step = number(scene, k) / REAL(OCCLUSION_HEIGHTS), hidden = REAL(0);
   scalar weight = 1, sum = 0;
   ray r = new_ray(s.p, push(s.p, s.normal));
@@ -22,12 +23,14 @@ FN real ambient_occlusion(shading s, mask counted, scene_data scene, int k, work
 #endif
     reproject(&r.p, &r.v);
     height += step;
-    real clear = scene_distance(r.p, r.v, scene);
+    real clear = scene_clearance(r.p, scene_distance(r.p, r.v, scene), scene);
+    lost |= NOT(clear == clear);
     done->distances += SELECT(counted, REAL(1), REAL(0));
     // What pokes into another object is hidden, and no more than that.
     hidden += REAL(weight) * fmin(fmax(REAL(1) - clear / height, REAL(0)), REAL(1));
     sum += weight;
     weight /= OCCLUSION_RATIO;
   }
-  return fmax(REAL(1) - number(scene, k + 1) * hidden / REAL(sum), REAL(0));
+  real left = fmax(REAL(1) - number(scene, k + 1) * hidden / REAL(sum), REAL(0));
+  return SELECT(counted, SELECT(lost, REAL(NAN), left), REAL(1));
 }

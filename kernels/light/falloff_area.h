@@ -4,4 +4,9 @@
 // intensity 1 it is a million times what a picture shows as white.
 #define AREA_DENSITY_FLOOR C(1e-6)
 
-FN real falloff_area(arrival a) { return a.intensity / fmax(area_density(a.from, a.length, REAL(0)), REAL(AREA_DENSITY_FLOOR)); }
+FN real falloff_area(arrival a)
+{
+  real density = area_density(a.from, a.length, REAL(0));
+  // Unlike fmax this keeps a NaN.
+  return a.intensity / SELECT(density < REAL(AREA_DENSITY_FLOOR), REAL(AREA_DENSITY_FLOOR), density);
+}

@@ -3,4 +3,8 @@
 // Nearer than this a light is as bright as it gets.
 #define LENGTH_FLOOR C(1e-3)
 
-FN real falloff_inverse(arrival a) { return a.intensity / fmax(a.length, REAL(LENGTH_FLOOR)); }
+FN real falloff_inverse(arrival a)
+{
+  // Unlike fmax this keeps a NaN.
+  return a.intensity / SELECT(a.length < REAL(LENGTH_FLOOR), REAL(LENGTH_FLOOR), a.length);
+}

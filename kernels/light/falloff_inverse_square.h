@@ -5,6 +5,7 @@
 
 FN real falloff_inverse_square(arrival a)
 {
-  real length = fmax(a.length, REAL(SQUARE_LENGTH_FLOOR));
+  // Unlike fmax this keeps a NaN.
+  real length = SELECT(a.length < REAL(SQUARE_LENGTH_FLOOR), REAL(SQUARE_LENGTH_FLOOR), a.length);
   return a.intensity / (length * length);
 }

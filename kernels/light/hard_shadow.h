@@ -7,4 +7,5 @@ FN void hard_shadow(shadow_ray q, arrival *a, int max_steps, scene_data scene, w
   done->shadow_steps += r.steps;
   done->distances += distances_of(r, started);
   a->lit &= NOT(r.hit);
+  a->intensity = SELECT(started & is_lost(r), REAL(NAN), a->intensity);
 }

@@ -11,5 +11,8 @@ FN ray lifted_ray(shading s, scene_data scene)
   return r;
 }
 
+// Whether a ray that was marched met a number that is none: its pixel has to be counted, not shown.
+FN mask is_lost(ray r) { return NOT(r.t == r.t); }
+
 // How often a ray that was marched asked for the distance: once a step, and where it ended.
 FN real distances_of(ray r, mask started) { return r.steps + SELECT(started & NOT(r.active), REAL(1), REAL(0)); }

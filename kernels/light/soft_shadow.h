@@ -7,11 +7,11 @@ SOLVER void march_softly(ray *from, real limit, int max_steps, scene_data scene,
   ray r = *from;
   real least = REAL(INFINITY);
   for (int i = 0; i < max_steps && ANY(r.active); i++) {
-    mask was_active = r.active;
-    real t = r.t;
+    ray before = r;
     r = march_step(r, limit, scene);
-    mask nearer = was_active & (r.clear < least * t);
-    least = SELECT(nearer, r.clear / t, least);
+    real clear = scene_clearance(before.p, r.clear, scene);
+    mask nearer = before.active & (clear < least * before.t);
+    least = SELECT(nearer, clear / before.t, least);
   }
   *least_of_all = SELECT(r.hit, REAL(0), least);
   *from = r;
@@ -25,7 +25,7 @@ FN void soft_shadow(shadow_ray q, arrival *a, real sharpness, int max_steps, sce
   march_softly(&r, q.length, max_steps, scene, &least);
   done->shadow_steps += r.steps;
   done->distances += distances_of(r, started);
-  real left = fmin(REAL(1), sharpness * least);
-  a->lit &= left > REAL(0);
+  real left = SELECT(is_lost(r), REAL(NAN), fmin(REAL(1), sharpness * least));
+  a->lit &= NOT(left <= REAL(0));
   a->intensity = SELECT(started, a->intensity * left, a->intensity);
 }

@@ -1,3 +1,3 @@
-// within.h - light along all geodesics that are no longer than a length: they come shortest first, so that one that is longer in
-// all lanes ends the search.
-FN mask arrives_within(arrival a, real most) { return NOT(a.length > most); }
+// within.h - light along all geodesics that are no longer than a length: they come shortest first, so that a lane is done with the first
+// that is longer.
+FN mask arrives_within(arrival a, real most) { return a.length <= most; }

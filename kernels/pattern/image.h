@@ -10,6 +10,9 @@
 // image, in units of u and of v; for each level, the largest first, the place of its first texel in scene.texels, in pages and beyond
 // them (in single precision the sum would not be exact), its width and its height in texels. Texels are red, green, blue, rows from
 // the top, where v is greatest.
+//
+// Behind a mirror the way is taken as if it were one geodesic as long: right for flat mirrors of isotropic geometries, elsewhere an
+// image may be too sharp or too soft.
 #define IMAGE_HEAD 4
 #define IMAGE_LEVEL 4
 #define TEXEL_PAGE 65536

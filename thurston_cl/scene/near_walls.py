@@ -84,8 +84,15 @@ class _Bound:
     vertical: bool
 
 
-def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice, place: Placement) -> Array:
-    """The group elements (M,n,n) besides 1 by which a solid is seen from the cell.
+def images(
+    solid: schema.Solid,
+    frame: Array,
+    near_walls: str,
+    lattice: Lattice,
+    place: Placement,
+    reach: float = 0.0,
+) -> Array:
+    """The group elements (M,n,n) besides 1 by which a solid is seen from the cell, or from so far around it.
 
     `frame` (n,n) carries what the solid belongs to into the cell.
     """
@@ -114,9 +121,10 @@ def images(solid: schema.Solid, frame: Array, near_walls: str, lattice: Lattice,
         centres = act(geometry, near, bound.centre)
         if bound.vertical:
             centres = on_base(geometry, centres)
+        radius = bound.radius + reach
         # The height over one wall is a quick lower bound.
-        for k in np.flatnonzero(lattice.clearance(centres) > -bound.radius):
-            reached[k] |= lattice.distance_from(centres[k]) < bound.radius
+        for k in np.flatnonzero(lattice.clearance(centres) > -radius):
+            reached[k] |= lattice.distance_from(centres[k]) < radius
     if not ended and reached[-max(1, len(near) // LAST) :].any():
         raise ValueError("too many images of this reach over the walls; make it smaller, or the cell larger")
     return near[reached]

@@ -21,7 +21,7 @@ from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import CameraFrame, Placement
 from thurston_cl.scene.write_camera import pixel_angle, write_camera
 from thurston_cl.scene.write_light import write_air, write_lights, write_seen
-from thurston_cl.scene.write_objects import write_objects
+from thurston_cl.scene.write_objects import needs_clearance, write_objects
 from thurston_cl.scene.write_walls import write_walls
 from thurston_cl.scene.writer import Writer
 
@@ -226,6 +226,8 @@ def _defines(writer: Writer) -> dict[str, str | int]:
         defines["REFLECTIONS"] = 1
     if "light/shadow_ray.h" in writer.parts and "light/point.h" in writer.parts:
         defines["POINT_SHADOWS"] = 1
+    if needs_clearance(writer):
+        defines["CLEARANCE"] = 1
     if "camera/fisheye.h" in writer.parts:
         defines["ROUND_PICTURE"] = 1
     if writer.lattice is not None:

@@ -1,5 +1,6 @@
 """The images of a scene as the one buffer of texels that kernels/pattern/image.h reads."""
 
+import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -77,6 +78,12 @@ class Texels:
         if not self._levels:
             return np.zeros(1, np.float32)
         return np.concatenate([level.ravel() for level in self._levels])
+
+
+def image_digests(scene: schema.Scene) -> dict[str, str]:
+    """The SHA-256 of each image file, by the name that the scene has for it."""
+    found = {texture.file.written: texture.file.path for _, texture in images_of(scene)}
+    return {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in found.items()}
 
 
 def images_of(scene: schema.Scene) -> Iterator[tuple[Location, schema.ImageTexture]]:

@@ -103,7 +103,11 @@ def _ambient(writer: Writer) -> list[str]:
     occlusion = writer.scene.effects.ambient_occlusion
     if occlusion is not None:
         place = writer.numbers.add([occlusion.reach, occlusion.strength])
-        left = f"ambient_occlusion(s, counted, scene, {place}, done)"
+        # Lamps glow by themselves.
+        lit = "counted"
+        if writer.scene.lamps:
+            lit += f" & NOT(s.object > REAL({len(writer.scene.objects)}))"
+        left = f"ambient_occlusion(s, {lit}, scene, {place}, done)"
         lines += writer.effect("light/ambient_occlusion.h", [f"seen = scale_3(seen, {left});"])
     return lines
 
@@ -132,16 +136,17 @@ def _loop(writer: Writer, camera: CameraFrame, asked: _Asked, lights: Sequence[_
     for part in (f"light/{'direction_field' if straight else 'point'}.h", f"light/{falloff}.h"):
         writer.parts.add(part)
         writer.asked[part] += count
-    counted = f"counted{known}"
+    # Along all geodesics up to a length a lane is done with the first that is longer.
+    counted = f"counted{known}" if asked.within is None else "left"
     lines = [f"arrival a = direction_field(s, light, {counted});"]
     if not straight:
         lines = [f"arrival a = point_light(s, light, k, {counted}, done);"]
     if asked.within is not None:
         writer.parts.add("light/within.h")
         lines += [
-            f"mask arrives = arrives_within(a, number(scene, {writer.numbers.add([asked.within])}));",
-            f"if (!ANY(arrives & {counted})) break;",
-            "a.lit &= arrives;",
+            f"left &= arrives_within(a, number(scene, {writer.numbers.add([asked.within])}));",
+            "if (!ANY(left)) break;",
+            "a.lit &= left;",
         ]
     lines.append(f"a.intensity = {falloff}(a);")
     fog = writer.scene.effects.fog
@@ -157,6 +162,8 @@ def _loop(writer: Writer, camera: CameraFrame, asked: _Asked, lights: Sequence[_
     lines += _seen(f"{color} + {size} * i")
     if not straight:
         lines = [f"for (int k = 0; k < {asked.geodesics}; k++) {{", *(f"  {line}" for line in lines), "}"]
+    if asked.within is not None:
+        lines.insert(0, f"mask left = counted{known};")
     return [
         f"for (int i = 0; i < {len(lights)}; i++) {{",
         *(["  mask known;"] if known else []),

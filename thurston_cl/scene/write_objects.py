@@ -42,7 +42,7 @@ def write_objects(writer: Writer) -> int:
         surface += ["point q = p;", "surface on_image = best;"]
     if writer.cell_ids:
         surface.append("real seen_from = *cell;")
-    count = 0
+    count, clearance = 0, list[str]()
     lamps = {
         number: ("lights", light, "point")
         for number, light in enumerate(writer.scene.lamps, start=1 + len(writer.scene.objects))
@@ -82,16 +82,75 @@ def write_objects(writer: Writer) -> int:
             own = f"object_{k}_distance(p, v, scene)"
             more_distance = [f"distance = fmin(distance, {own});" if distance else f"real distance = {own};"]
             surface += [f"s = object_{k}_surface(p, scene);", *_take_nearer(k, solid)]
+        clearance += _clearance(writer, k, solid, outer, text, seen)
         distance += [f"if (scene.skipped != {k}) {{", *more_distance, "}"] if k in lamps else more_distance
     writer.function(
         "real scene_distance(point p, vector v, scene_data scene)", [*distance, "return distance;"]
     )
+    if needs_clearance(writer):
+        writer.function(
+            "real scene_clearance(point p, real clear, scene_data scene)",
+            [
+                "clear = REAL(INFINITY);",
+                "vector v = {REAL(0), REAL(0), REAL(0), REAL(0)};",
+                *clearance,
+                "return clear;",
+            ],
+        )
     writer.function(
         "void scene_surface(point p, vector v, real t, real *object, real *cell, covector *gradient,"
         " material *m, scene_data scene)",
         [*surface, "*gradient = best.gradient;", *_write_images(writer)],
     )
     return count
+
+
+def _is_directed(text: "_SolidText") -> bool:
+    """Whether the distance of a solid holds along the ray alone."""
+    return any(f"{shape}_distance(" in text.distance for shape in DIRECTED)
+
+
+def needs_clearance(writer: Writer) -> bool:
+    """Whether what shades by the distance has to know more of it than rays do."""
+    scene = writer.scene
+    soft = any(light.shadows is not None and light.shadows.soft is not None for light in scene.lights)
+    occlusion = scene.effects.ambient_occlusion is not None
+    return ((soft or occlusion) and writer.directed) or (occlusion and writer.near_walls == "images")
+
+
+def _clearance(
+    writer: Writer, k: int, solid: schema.Solid, outer: Array, text: "_SolidText", seen: Array
+) -> list[str]:
+    """Lines that take the distance of object k into account: with its images as far as ambient occlusion
+    looks, and where it is directed to first order, by its level and the gradient of that.
+    """
+    occlusion = writer.scene.effects.ambient_occlusion
+    if occlusion is not None and writer.lattice is not None:
+        try:
+            seen = images(solid, outer, writer.near_walls, writer.lattice, writer.place, occlusion.reach)
+        except ValueError as error:
+            raise writer.scene.error_at(
+                ("effects", "ambient-occlusion", "reach"), str(error), "make the reach shorter"
+            ) from error
+    lines = [f"real other = object_{k}_distance(q, v, scene);"]
+    if _is_directed(text):
+        lines = [
+            f"surface s = object_{k}_surface(q, scene);",
+            "direction g = pull_covector(q, s.gradient);",
+            "real other = s.distance * rsqrt(dot_3(g, g));",
+        ]
+    lines.append("clear = SELECT(clear < other, clear, other);")
+    if len(seen) == 0 or writer.lattice is None:
+        return ["{", "  point q = p;", *(f"  {line}" for line in lines), "}"]
+    seen = np.concatenate([identity(writer.lattice.geometry)[None], seen])
+    back = inverse(writer.lattice.geometry, seen)
+    maps, rows = writer.numbers.add(back[:, :4].ravel()), 4 * back.shape[2]
+    return [
+        f"for (int image = 0; image < {len(seen)}; image++) {{",
+        f"  point q = apply(scene, {maps} + {rows} * image, p);",
+        *(f"  {line}" for line in lines),
+        "}",
+    ]
 
 
 def _take_nearer(k: int, solid: schema.Solid, seen_at: str = "p", own: str = "s") -> list[str]:

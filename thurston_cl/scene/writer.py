@@ -80,10 +80,14 @@ class Writer:
         return len(self.cells) > 0
 
     @property
+    def directed(self) -> bool:
+        """Whether the distance of some shape holds along the ray alone."""
+        return any(f"shape/{shape}.h" in self.parts for shape in DIRECTED)
+
+    @property
     def creeping(self) -> bool:
         """Whether rays stop at walls (paper 4.2.1): always where a bound holds along the ray alone."""
-        directed = any(f"shape/{shape}.h" in self.parts for shape in DIRECTED)
-        return directed or self.near_walls in ("creeping", "both", "images")
+        return self.directed or self.near_walls in ("creeping", "both", "images")
 
     @property
     def place(self) -> Placement:
