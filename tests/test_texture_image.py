@@ -555,8 +555,12 @@ def test_files_are_found_from_the_folder_of_the_scene(
     [
         ("photo.jpg", "there is no image file 'photo.jpg'", "did you mean 'photos.jpg'?"),
         ("earth.png", "there is no image file 'earth.png'", "comes with the program is called 'earth'"),
-        ("https://a.org/b.png", "is an address, not a file", "save the picture, and name that file"),
-        (300 * "a" + ".png", "cannot be read: File name too long", "JPEG, PNG"),
+        (
+            "https://a.org/b.png",
+            "'https://a.org/b.png' is an address, not a file",
+            "save the picture, and name that file",
+        ),
+        (300 * "a" + ".png", f"'{40 * 'a'}...' cannot be read: File name too long", "JPEG, PNG"),
         ("photos.jpg", "'photos.jpg' is no image that can be read: ", "JPEG, PNG, TIFF"),
         ("huge.png", "'huge.png' is 1 x 16385, more than 16384 x 16384 pixels", "JPEG"),
         ("folder.d", "'folder.d' is a folder, not an image file", "name a file in it"),
