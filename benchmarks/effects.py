@@ -6,31 +6,52 @@ from race import Contender, contender, race
 
 from thurston_cl.device import Device
 from thurston_cl.models import GEOMETRIES
+from thurston_cl.scene.effect_files import EFFECTS
 
 LIGHT = "lights.0.point"
-# By name: the settings that add the effect to scenes/effects.yaml.
-EFFECTS = {
+TILE = "objects.0.material.color"
+# By the name in effect_files.EFFECTS: the settings that add the effect to scenes/effects.yaml. In h3 there is
+# no sun and no straight light; these two are measured in nil.
+SETTINGS = {
+    "checker": [f"{TILE}={{checker: {{count: 8}}}}"],
+    "grid": [f"{TILE}={{grid: {{count: 8}}}}"],
+    "bands": [f"{TILE}={{bands: {{count: 8}}}}"],
+    "strips": [f"{TILE}={{strips: {{count: 8, colors: [red, white]}}}}"],
+    "image": [f"{TILE}={{image: earth}}"],
+    "cell ids": ["outputs=[{file: ids.exr, channels: [beauty, cell]}]"],
+    "light along all geodesics up to a length": [f"{LIGHT}.geodesics={{within: 9}}"],
+    "light fading as 1/length": [f"{LIGHT}.falloff=inverse"],
+    "light fading as 1/length²": [f"{LIGHT}.falloff=inverse-square"],
+    "light that does not fade": [],
     "hard shadows": ["lights.0.shadows=hard"],
     "soft shadows": ["lights.0.shadows=soft"],
-    "light fading as the geometry makes it": [f"{LIGHT}.falloff=area"],
-    "light fading as 1/length": [f"{LIGHT}.falloff=inverse"],
-    "light from the neighbours too": [f"{LIGHT}.translates=neighbours"],
-    "a ball at the light": [f"{LIGHT}.ball=0.05"],
+    "ambient occlusion": ["effects.ambient-occlusion.reach=0.4"],
     "exponential fog": ["effects.fog.exponential.density=0.2"],
     "linear fog": ["effects.fog.linear.length=12"],
-    "fog, and between lights and surfaces": ["effects.fog={exponential: {density: 0.2}, on-lights: true}"],
-    "ambient occlusion": ["effects.ambient-occlusion.reach=0.4"],
-    "one reflection": ["objects.1.material.reflectivity=0.5", "effects.reflections.depth=1"],
-    "two reflections": ["objects.1.material.reflectivity=0.5", "effects.reflections.depth=2"],
-    "checker": ["objects.0.material.color={checker: {count: 8}}"],
+    "fog between lights and surfaces": ["effects.fog={exponential: {density: 0.2}, on-lights: true}"],
+    "reflections": ["objects.1.material.reflectivity=0.5", "effects.reflections.depth=2"],
 }
-TOGETHER = (
+IN_NIL = {
+    "light along straight lines": "[{point: {at: [1, -1, 2], direction: straight}}]",
+    "sun": "[{sun: {from: [0, 0, 1]}}]",
+}
+# Beside the effects: what lights ask for more.
+MORE = {
+    "light as the geometry makes it (area density)": [f"{LIGHT}.falloff=area"],
+    "light from the neighbours too": [f"{LIGHT}.translates=neighbours"],
+    "a ball at the light": [f"{LIGHT}.ball=0.05"],
+}
+# One of each kind: of two falloffs, fogs, patterns or shadows a light or surface has one.
+TOGETHER = {
+    "image",
+    "cell ids",
+    "light along all geodesics up to a length",
     "soft shadows",
-    "light fading as the geometry makes it",
-    "fog, and between lights and surfaces",
     "ambient occlusion",
-    "two reflections",
-)
+    "fog between lights and surfaces",
+    "reflections",
+    "light as the geometry makes it (area density)",
+}
 
 
 def effects(device: Device, repeat: int) -> None:
@@ -40,13 +61,15 @@ def effects(device: Device, repeat: int) -> None:
     def each(name: str, sets: list[str], switch: bool | None = None) -> Contender:
         return contender(device, "effects.yaml", name, "single", lanes, "packet", sets=sets, switch=switch)
 
-    together = [setting for name in TOGETHER for setting in EFFECTS[name]]
-    # With the light that all effects together have, so that the switches are all that differs.
-    light = EFFECTS["light fading as the geometry makes it"]
+    missing = set(EFFECTS) - set(SETTINGS) - set(IN_NIL)
+    assert not missing, f"effects without a benchmark: {missing}"
+    alone = SETTINGS | MORE
+    together = [setting for name, sets in alone.items() if name in TOGETHER for setting in sets]
     contenders = [each("none: one light that does not fade", [])]
-    contenders += [each(name, sets) for name, sets in EFFECTS.items()]
-    contenders += [each(f"together: {', '.join(TOGETHER)}"[:50], together)]
-    race("effects, each alone and some together; Seifert-Weber space (h3), 768 x 432", contenders, repeat)
+    contenders += [each(name, sets) for name, sets in alone.items() if sets]
+    contenders += [each("together, one of each kind", together)]
+    race("effects, each alone and all together; Seifert-Weber space (h3), 768 x 432", contenders, repeat)
+    print(f"  together: {', '.join(sorted(TOGETHER))}")
     width, height = contenders[0].size
     print(f"  {'':50} {'shadow':>9} {'mirror':>7} {'solves':>6} {'distances':>10}  per first ray")
     for one in contenders:
@@ -55,9 +78,27 @@ def effects(device: Device, repeat: int) -> None:
             for name in ("shadow_steps", "reflection_steps", "light_solves", "distance_evaluations")
         )
         print(f"  {one.name:50} {shadow:9.2f} {mirror:7.2f} {solves:6.2f} {distances:10.2f}")
+    nil = [("light along its geodesic", "[{point: {at: [1, -1, 2], falloff: constant}}]"), *IN_NIL.items()]
+    race(
+        "light in nil",
+        [
+            contender(
+                device,
+                "unit-costs.yaml",
+                name,
+                "single",
+                lanes,
+                "packet",
+                sets=["geometry=nil", f"lights={lights}"],
+            )
+            for name, lights in nil
+        ],
+        repeat,
+    )
+    light = [*SETTINGS["image"], *MORE["light as the geometry makes it (area density)"]]
     assembled = [
-        each("assembled: that light alone", light),
-        each("everything compiled, switched off", together, False),
+        each("assembled: an image in that light alone", light),
+        each("everything compiled, the rest switched off", together, False),
         each("everything compiled, switched on", together, True),
         each("assembled: everything", together),
     ]

@@ -583,7 +583,8 @@ def test_validate_tells_of_files_at_their_line(name: str, message: str, help: st
     assert result.exit_code == 65
     first, line, caret, cure, *rest = result.stderr.strip().split("\n")
     assert first.startswith(f"{scene}:3:23: error: {message}")
-    assert caret.index("^") == line.index(name)
+    # A long line is cut short.
+    assert caret.index("^") == line.index(name[:20])
     assert help in cure
     assert rest == [f"1 error in {scene}"]
 

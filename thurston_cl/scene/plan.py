@@ -86,8 +86,20 @@ class Plan:
         """The predicted cost of the lights and of each effect that this scene names."""
         named = {"lights": "light/point.h", "light fading by area density": "light/falloff_area.h"}
         named = {name: file for name, file in named.items() if file in self.parts}
-        named |= {effect: effect_files.EFFECTS[effect] for effect in self.called_for}
-        costs = predict(self.scene.geometry, {file: self.asked.get(file, 1) for file in named.values()})
+        return self._costs(named | {effect: effect_files.EFFECTS[effect] for effect in self.called_for})
+
+    @property
+    def costs_left_out(self) -> dict[str, Cost]:
+        """What each effect that this scene does not name would cost: shadows those of all lights."""
+        return self._costs({effect: effect_files.EFFECTS[effect] for effect in self.left_out})
+
+    def _costs(self, named: Mapping[str, str]) -> dict[str, Cost]:
+        lights = self.asked.get("light/point.h", 0) + self.asked.get("light/sun.h", 0)
+        # What is not counted, such as a pattern, is evaluated once.
+        usual = dict.fromkeys(named.values(), 1.0) | {
+            file: max(1.0, lights) for file in named.values() if file.endswith("_shadow.h")
+        }
+        costs = predict(self.scene.geometry, {file: self.asked.get(file, usual[file]) for file in usual})
         return {name: costs[file] for name, file in named.items()}
 
     @property
@@ -113,7 +125,8 @@ class Plan:
             "distance near walls": f"{self.near_walls}, {self.object_images} images of objects over walls",
             "lights": f"{len(self.scene.lights) or 'the default ones'}, {self.light_images} images in all",
             "called for": ", ".join(self.called_for) or "nothing beyond point lights",
-            "left out": ", ".join(self.left_out) or "nothing",
+            "left out": ", ".join(f"{name} ({cost.percent})" for name, cost in self.costs_left_out.items())
+            or "nothing",
             "predicted cost": "\n".join(
                 ["of the first rays", *(f"{name}: {cost}" for name, cost in self.costs.items())]
             ),

@@ -267,8 +267,8 @@ def write_seen(writer: Writer) -> None:
     ]
     if writer.reflections:
         writer.parts |= {"light/lifted_ray.h", "light/reflection.h"}
-        mirrors = [solid.material.reflectivity > 0 for solid in writer.scene.objects]
-        writer.asked["light/reflection.h"] = writer.reflections * sum(mirrors) / len(mirrors)
+        # Of what is seen in a mirror, half may be a mirror again.
+        writer.asked["light/reflection.h"] = 2 - 2.0 ** (1 - writer.reflections)
         # A number, so that scenes that differ in it share their program; 0 in a program that has it off.
         depth = writer.numbers.add([0 if writer.switch is False else writer.reflections])
         arguments = f"r, first, (int)scene.numbers[{depth}], max_steps, scene, done"
