@@ -380,7 +380,7 @@ def test_energy_is_neither_made_nor_lost_along_the_flow(geometry: str) -> None:
     across = np.cross(middles, rng.normal(size=(40, 3)))
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     other = np.cross(middles, across)
-    size = 2e-4
+    size = 2e-5
     turns = 2 * np.pi * np.arange(3) / 3
     corners = [middles + size * (np.cos(a) * across + np.sin(a) * other) for a in turns]
     corners = [c / np.linalg.norm(c, axis=1, keepdims=True) for c in corners]
@@ -390,12 +390,17 @@ def test_energy_is_neither_made_nor_lost_along_the_flow(geometry: str) -> None:
         s = (a + b + c) / 2
         return np.asarray(np.sqrt(np.maximum(s * (s - a) * (s - b) * (s - c), 0)))
 
-    for time in (0.3, 1.0, 2.0, 2.9):
+    for time in (0.3, 1.0, 2.0, 2.9, 4.3, 5.4):
         ends = [g.flow(corner, time)[0] for corner in corners]
         sides = [g.distance(ends[k], base=ends[k - 1]) for k in range(3)]
         intensity = 1 / g.area_density(middles, time)
         energy = intensity * heron(*sides)
-        np.testing.assert_allclose(energy, solid_angle, rtol=5e-3, err_msg=f"{geometry} {time}")
+        if time < np.pi:
+            np.testing.assert_allclose(energy, solid_angle, rtol=5e-3, err_msg=f"{geometry} {time}")
+        else:
+            # Beyond places where light is focused; next to one the triangle is no small one any more.
+            off = np.abs(energy / solid_angle - 1)
+            assert np.percentile(off, 80) < 0.02, f"{geometry} {time}"
 
 
 # Isometries that mirror in a plane: geometry, normal of the plane.

@@ -349,3 +349,21 @@ def test_eyes_too_far_apart_are_an_error_at_their_distance(projection: str) -> N
     with pytest.raises(SceneError, match="too far apart") as error:
         picture(text)
     assert ":3:" in str(error.value) and "make the distance smaller" in str(error.value)
+
+
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+@pytest.mark.parametrize("projection", ["perspective", "equirectangular"])
+def test_eyes_that_are_hardly_apart_see_nearly_the_same_as_one(geometry: str, projection: str) -> None:
+    """In every geometry; around the camera by the kernel that flows to the eye of each column."""
+    scene = (
+        "geometry: %s\ncamera: {at: [0.3, -1.1, 0.4], look: {to: [0, 0, 0]}, projection: {%s: {}}%s}\n"
+        "objects:\n  - ball: {radius: 0.5}\n  - ball: {radius: 0.3}\n    at: [-0.6, -1.2, 0.2]\n"
+        "lights: [{point: {at: [1, -1, 1]}}]\nrender: {far: 6}\n"
+    )
+    one = picture(scene % (geometry, projection, ""), size=(96, 48))
+    apart = ", stereo: {layout: top-bottom, distance: 1.0e-6}"
+    two = picture(scene % (geometry, projection, apart), size=(96, 96))
+    for eye in halves(two, "top-bottom", "beauty"):
+        off = np.abs(eye - one.channels["beauty"]).max(axis=2) > 2e-3
+        assert np.count_nonzero(off) <= 0.01 * off.size
+    assert 0.02 < (one.channels["object"] > 0).mean() < 0.95
