@@ -596,7 +596,7 @@ def test_bands(opencl_device: Device) -> None:
   real3_lanes c = bands(s, scene, 1, 3);
   OUT(0, c.x); OUT(1, c.y); OUT(2, c.z);"""
     for precision in EPSILON:
-        parts = (*geometry_parts("e3"), "scene_types.h", "pattern/bands.h")
+        parts = (*geometry_parts("e3"), "scene_types.h", "pattern/color_in_turn.h", "pattern/bands.h")
         kernels = SmallKernels(opencl_device, parts, {"bands": Body(1, 3, text)}, precision, LANES)
         numbers = np.array([7.0, count, width, *ground, *np.ravel(colors)])
         for j in (-300, -5, -2, -1, 0, 1, 2, 3, 7, 3 * 333):

@@ -159,6 +159,7 @@ PARTS = (
     "shape/angles.h",
     "shape/ball.h",
     "pattern/image.h",
+    "pattern/color_in_turn.h",
     "pattern/strips.h",
 )
 _SCENE = "scene_data scene = {{numbers, 0, 0, in + (size_t){} * stride}};\n"

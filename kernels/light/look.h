@@ -22,6 +22,8 @@ FN look look_at(ray r, real length, int max_steps, scene_data scene, work *done)
   l.s.cell = r.cell;
   l.s.normal = scale_3(g, rsqrt(dot_3(g, g)));
   l.s.viewer = scale_3(u, -rsqrt(dot_3(u, u)));
-  l.color = select_3(r.hit, scene_light(l.s, r.hit, max_steps, scene, done), l.color);
+  real3_lanes lit;
+  scene_light(&l.s, r.hit, max_steps, scene, done, &lit);
+  l.color = select_3(r.hit, lit, l.color);
   return l;
 }

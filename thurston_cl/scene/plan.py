@@ -262,7 +262,9 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
     return (
         *geometry_parts(geometry),
         "scene_types.h",
-        *under("shape", "pattern"),
+        *under("shape"),
+        # What several patterns call comes first.
+        *sorted(under("pattern"), key=lambda part: part != "pattern/color_in_turn.h"),
         "march.h",
         *under("cells.h"),
         # What each projection starts from, and then in the order of the alphabet.

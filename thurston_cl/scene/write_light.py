@@ -91,8 +91,11 @@ def write_lights(writer: Writer, camera: CameraFrame) -> int:
     for light in suns:
         body += _sun(writer, light)
     writer.function(
-        "real3_lanes scene_light(shading s, mask counted, int max_steps, scene_data scene, work *done)",
-        [*body, "return seen;"],
+        "void scene_light(const shading *at, mask counted, int max_steps, scene_data scene, work *total,"
+        " real3_lanes *lit)",
+        # Copies stay in registers.
+        ["shading s = *at;", "work sum = *total, *done = &sum;", *body, "*total = sum;", "*lit = seen;"],
+        called=writer.large,
     )
     return len(suns) + sum(len(images_of) for images_of in loops.values())
 

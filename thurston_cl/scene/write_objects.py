@@ -101,6 +101,7 @@ def write_objects(writer: Writer) -> int:
         "void scene_surface(point p, vector v, real t, real *object, real *cell, covector *gradient,"
         " material *m, scene_data scene)",
         [*surface, "*gradient = best.gradient;", *_write_images(writer)],
+        called=writer.large,
     )
     return count
 
@@ -529,7 +530,7 @@ def _paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[
         place = numbers.add([*checker.count, *checker.colors[0].linear, *checker.colors[1].linear])
         return f"checker({surface}, scene, {place})"
     if paint.bands is not None:
-        parts.add("pattern/bands.h")
+        parts |= {"pattern/color_in_turn.h", "pattern/bands.h"}
         bands = paint.bands
         place = numbers.add(
             [
@@ -541,7 +542,7 @@ def _paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[
         )
         return f"bands({surface}, scene, {place}, {len(bands.colors)})"
     if paint.strips is not None:
-        parts.add("pattern/strips.h")
+        parts |= {"pattern/color_in_turn.h", "pattern/strips.h"}
         colors = [c for color in paint.strips.colors for c in color.linear]
         place = numbers.add([paint.strips.count, *colors])
         coordinate = {"first": "u", "second": "v"}[paint.strips.across]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from thurston_cl.geometry import Geometry
 from thurston_cl.lattice import Lattice
-from thurston_cl.models import TWISTED
+from thurston_cl.models import LEFT_INVARIANT, TWISTED
 from thurston_cl.scene import schema
 from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import Placement
@@ -17,6 +17,8 @@ from thurston_cl.scene.texels import Texels
 
 Array = NDArray[np.float64]
 
+# More objects than these are many: their surfaces take long to compile within something else.
+FEW_OBJECTS = 6
 # Shapes that are bounded along the ray only: their distance takes its vector too.
 DIRECTED = ("horizontal_half_space", "bisected_half_space")
 # What the file of a shape calls of other files of kernels/shape, and what says how far a ball is where that
@@ -93,6 +95,13 @@ class Writer:
     def place(self) -> Placement:
         """Where things stand."""
         return Placement(self.geometry)
+
+    @property
+    def large(self) -> bool:
+        """Whether surfaces and light are functions that are called: inlined they would take half as long
+        again to compile. Where there is little to do, a call costs a third of it.
+        """
+        return self.geometry.name in LEFT_INVARIANT or len(self.scene.solids) > FEW_OBJECTS
 
     @property
     def reflections(self) -> int:
