@@ -5,10 +5,14 @@ from __future__ import annotations
 import json
 import shutil
 import textwrap
+from typing import TYPE_CHECKING
 
 import click
 
 from .options import OTHER, OUTPUT, GroupedCommand, Option, check_precision, device_options, scene_options
+
+if TYPE_CHECKING:
+    from thurston_cl.scene.schema import Output
 
 
 @click.command(cls=GroupedCommand)
@@ -49,6 +53,7 @@ def command(
     options = plan.source.options(arithmetic, lanes)
     rows = {
         **plan.explain(),
+        "outputs": "\n".join(map(_output_words, loaded.outputs)) or "none: the command line names them",
         "device": f"{chosen.info.id} {chosen.info.name}",
         "arithmetic": f"{arithmetic} precision, {lanes} lanes",
         "compiler options": " ".join(options),
@@ -70,6 +75,13 @@ def command(
         click.echo(f"// clBuildProgram options: {' '.join(options)}\n{plan.source.text}", nl=False)
     else:
         _print_rows(rows)
+
+
+def _output_words(output: Output) -> str:
+    """The file of an output, and what of the picture it holds or how it shows it."""
+    if output.file.lower().endswith(".exr"):
+        return f"{output.file}: {', '.join(output.channels)}"
+    return f"{output.file}: view {output.view}, exposure {output.exposure:+g}"
 
 
 def _print_rows(rows: dict[str, str]) -> None:

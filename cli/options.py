@@ -89,7 +89,7 @@ def scene_options(function: Command) -> Command:
             metavar="KEY=VALUE",
             cls=Option,
             group=SCENE,
-            help="Change a key of the scene, as in --set render.samples=16.",
+            help="Change a key of the scene, as in --set render.samples=16; KEY=null leaves it out.",
         ),
         click.option(
             "-D",

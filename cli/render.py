@@ -8,7 +8,8 @@ import math
 import os
 import sys
 import time
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -207,7 +208,7 @@ def command(
     start = time.perf_counter()
     written: list[str] = []
     try:
-        with _Progress(sys.stderr.isatty() and not quiet) as progress:
+        with _Progress(sys.stderr.isatty() and not quiet) as progress, _warnings_noted() as noted:
             image = render(
                 loaded,
                 device=chosen,
@@ -225,7 +226,7 @@ def command(
             written.append(target.file)
     except KeyboardInterrupt:
         raise Interrupted(f"only {', '.join(written)} written" if written else "nothing written") from None
-    _report(image, targets, time.perf_counter() - start, as_json=as_json, quiet=quiet)
+    _report(image, targets, time.perf_counter() - start, noted, as_json=as_json, quiet=quiet)
 
 
 def _targets(
@@ -248,7 +249,7 @@ def _targets(
         if path in real[:index]:
             raise click.UsageError(f"-o {files[index]} is given twice")
     if not files:
-        return [_Target(o.file, o.channels, o.exposure, o.view) for o in scene.outputs]
+        return [_Target(o.file, o.channels, float(o.exposure), o.view) for o in scene.outputs]
     png = (("beauty",), exposure or 0.0, view or "none")
     return [_Target(file, *png) if _is_png(file) else _Target(file, channels) for file in files]
 
@@ -265,10 +266,13 @@ def _is_png(file: str) -> bool:
 
 
 def _check_size(scene: Scene, size: tuple[int, int] | None) -> None:
-    from thurston_cl.scene.picture import size_problem
+    from thurston_cl.scene.picture import fitting_size, size_problem
 
-    if size and (problem := size_problem(scene.camera.projection.kind, scene.camera.layout, size)):
-        raise click.UsageError(f"--size {size[0]}x{size[1]}: {problem[0]}")
+    shape = scene.camera.projection.kind, scene.camera.layout
+    if size and (problem := size_problem(*shape, size)):
+        width, height = fitting_size(*shape, size)
+        message = f"--size {size[0]}x{size[1]}: {problem[0]}; for example --size {width}x{height}"
+        raise click.UsageError(message)
 
 
 def _check_crop(crop: tuple[int, int, int, int], size: tuple[int, int]) -> None:
@@ -301,12 +305,30 @@ class _Progress(contextlib.AbstractContextManager["_Progress"]):
         self._stack.close()
 
 
-def _report(image: Image, targets: Sequence[_Target], seconds: float, *, as_json: bool, quiet: bool) -> None:
+@contextlib.contextmanager
+def _warnings_noted() -> Iterator[list[str]]:
+    """The texts of the warnings that are shown meanwhile."""
+    noted: list[str] = []
+    with warnings.catch_warnings():
+        show_as_before = warnings.showwarning
+
+        def show(message: Warning | str, *where: Any) -> None:
+            noted.append(str(message))
+            show_as_before(message, *where)
+
+        warnings.showwarning = show  # type: ignore[assignment]  # it is always called in this way
+        yield noted
+
+
+def _report(
+    image: Image, targets: Sequence[_Target], seconds: float, noted: list[str], *, as_json: bool, quiet: bool
+) -> None:
     """Say on stderr what was made, and on stdout, if asked, all that is known of it."""
     statistics = image.statistics
     if lost := statistics.get("nan", 0):
         message = f"{lost} of {statistics['rays']} rays came to nothing (NaN) and show the background"
-        click.echo(f"thurston: warning: {message}; try --precision double", err=True)
+        noted = [*noted, f"{message}; try --precision double"]
+        click.echo(f"thurston: warning: {noted[-1]}", err=True)
     if not quiet:
         names = ", ".join(target.file for target in targets)
         how = f"{statistics['precision']} precision on {statistics['device']}"
@@ -317,7 +339,7 @@ def _report(image: Image, targets: Sequence[_Target], seconds: float, *, as_json
             | ({"exposure": target.exposure, "view": target.view} if _is_png(target.file) else {})
             for target in targets
         ]
-        answer = {**statistics, "total_seconds": seconds, "outputs": outputs}
+        answer = {**statistics, "total_seconds": seconds, "outputs": outputs, "warnings": noted}
         click.echo(json.dumps(_plain(answer), indent=2, allow_nan=False))
 
 

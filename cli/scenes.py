@@ -6,6 +6,7 @@ import json
 
 import click
 
+from thurston_cl.models import GEOMETRIES
 from thurston_cl.scene.library import LibraryScene, library_scene, library_scenes
 
 
@@ -14,16 +15,16 @@ from thurston_cl.scene.library import LibraryScene, library_scene, library_scene
 @click.option("--show", is_flag=True, help="Print the text of the scene NAME instead of its path.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")
 def command(name: str | None, show: bool, as_json: bool) -> None:
-    """List the scenes that come with thurston, or say where the scene NAME is.
+    """List the scenes that come with thurston, or those of the geometry NAME, or say where the scene NAME is.
 
     A name from the list can stand wherever a command asks for a SCENE: thurston render h3/seifert-weber.
 
     Exit code 66 if there is no scene NAME.
     """
-    if name is None:
+    if name is None or name in GEOMETRIES:
         if show:
             raise click.UsageError("--show needs the NAME of a scene")
-        scenes = library_scenes()
+        scenes = [scene for scene in library_scenes() if name in (None, scene.geometry)]
         click.echo(
             json.dumps({"scenes": [_entry(scene) for scene in scenes]}, indent=2)
             if as_json

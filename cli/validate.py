@@ -26,7 +26,11 @@ from .options import parse_define
     help="Give a param of the scenes another value.",
 )
 @click.option(
-    "--set", "sets", multiple=True, metavar="KEY=VALUE", help="Change a key, such as render.samples=16."
+    "--set",
+    "sets",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Change a key, such as render.samples=16; KEY=null leaves it out.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")
 @click.pass_context
@@ -78,7 +82,8 @@ def _summary(scene: Scene) -> str:
     if scene.lattice is not None:
         name = scene.lattice.name
         where += f", {'a lattice given by matrices' if name == 'given' else name}"
-    return f"{where}; {_count(len(scene.objects), 'object')}, {_count(len(scene.lights), 'light')}"
+    lights = _count(len(scene.lights), "light") if scene.lights else "default lights"
+    return f"{where}; {_count(len(scene.objects), 'object')}, {lights}"
 
 
 def _count(number: int, noun: str) -> str:

@@ -94,6 +94,18 @@ def test_a_rich_scene_names_what_it_calls_for(explain: Callable[..., Result]) ->
         assert effect in said["called for"]
         assert effect not in said["left out"]
     assert "grid" in said["left out"]
+    assert said["outputs"] == "a.exr: beauty, cell"
+
+
+def test_outputs_are_shown_with_their_film(explain: Callable[..., Result]) -> None:
+    assert rows(explain("plain.yaml"))["outputs"] == "none: the command line names them"
+    outputs = "outputs=[{file: a.png, view: filmic, exposure: 1.5}, {file: b.png}, {file: c.exr}]"
+    answer = json.loads(explain("plain.yaml", "--json", "--set", outputs).stdout)
+    assert answer["explanation"]["outputs"].split("\n") == [
+        "a.png: view filmic, exposure +1.5",
+        "b.png: view none, exposure +0",
+        "c.exr: beauty",
+    ]
 
 
 def test_what_is_left_out_is_not_in_the_source(explain: Callable[..., Result]) -> None:

@@ -13,6 +13,7 @@ import select
 import signal
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -49,6 +50,7 @@ class FakeRenderer:
             "device": "Toaster",
         }
         self.raises: BaseException | None = None
+        self.warns: str | None = None
 
     def __call__(self, scene: Any, **options: Any) -> Image:
         self.scene = scene
@@ -57,6 +59,8 @@ class FakeRenderer:
             options["progress"](done, 4)
             if self.raises and done == 2:
                 raise self.raises
+        if self.warns:
+            warnings.warn(self.warns, stacklevel=2)
         width, height = options["size"] or scene.render.size
         grey = np.full((height, width), 0.5, np.float32)
         ids = np.ones((height, width), np.uint32)
@@ -189,7 +193,21 @@ def test_a_missing_directory_is_found_before_rendering(
         (["scene.yaml", "-o", "a.png", "--crop", "0,0,9,5"], "reaches beyond the picture of 8x6 pixels"),
         (
             ["scene.yaml", "-o", "a.png", "--size", "9x6", "--set", "camera.stereo={layout: side-by-side}"],
-            "--size 9x6: each eye has half of the width, and 9 is odd",
+            "--size 9x6: each eye has half of the width, and 9 is odd; for example --size 10x6",
+        ),
+        (
+            [
+                "scene.yaml",
+                "-o",
+                "a.png",
+                "--size",
+                "320x180",
+                "--set",
+                "camera.projection={equirectangular: {}}",
+                "--set",
+                "render.size=[8, 4]",
+            ],
+            "is twice as wide as high; this is 320 x 180; for example --size 360x180",
         ),
         (["scene.yaml", "-o", "a.png", "--crop", "1,2,3"], "not of the form X0,Y0,X1,Y1"),
         (["scene.yaml", "-o", "a.png", "--lanes", "3"], "'3' is not one of '1', '4', '8'"),
@@ -280,7 +298,28 @@ def test_json_is_the_only_thing_on_stdout(thurston: Callable[..., Result], rende
         "precision": "single",
         "device": "Toaster",
         "outputs": [{"file": "a.png", "channels": ["beauty"], "exposure": 0.0, "view": "none"}],
+        "warnings": [],
     }
+
+
+def test_json_holds_the_warnings_that_are_shown(
+    thurston: Callable[..., Result], renderer: FakeRenderer
+) -> None:
+    renderer.statistics["nan"] = 3
+    renderer.warns = "no ray hit anything"
+    result = thurston("scene.yaml", "-o", "a.png", "--json", "--quiet")
+    shown = json.loads(result.stdout)["warnings"]
+    lost = "3 of 48 rays came to nothing (NaN) and show the background; try --precision double"
+    assert shown == ["no ray hit anything", lost]
+    assert result.stderr == "".join(f"thurston: warning: {text}\n" for text in shown)
+
+
+def test_json_has_exposures_as_numbers_of_one_kind(
+    thurston: Callable[..., Result], renderer: FakeRenderer, tmp_path: Path
+) -> None:
+    (tmp_path / "scene.yaml").write_text(SCENE + "outputs: [{file: a.png}, {file: b.png, exposure: 1}]\n")
+    outputs = json.loads(thurston("scene.yaml", "--json").stdout)["outputs"]
+    assert [repr(output["exposure"]) for output in outputs] == ["0.0", "1.0"]
 
 
 def test_nan_is_warned_of_even_when_quiet(thurston: Callable[..., Result], renderer: FakeRenderer) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import thurston_cl as tc
 from thurston_cl.models import GEOMETRIES
@@ -199,8 +200,24 @@ def test_colors_of_the_picture(tmp_path: Path) -> None:
     assert (np.diff(brightness) > 0).all()
 
 
+@pytest.mark.parametrize("panels", [plot.PANELS, plot.PANELS[:1], plot.PANELS[:2]], ids=len)
+def test_titles_and_captions_have_room(panels: tuple[Any, ...]) -> None:
+    """All in the figure, and between a caption and the title below it lies a line's height or so."""
+    figure = plot.draw(panels, RADIUS, 20)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    discs = figure.axes[: len(panels)]
+    titles = [disc.title.get_window_extent(canvas.get_renderer()) for disc in discs]
+    captions = [disc.xaxis.label.get_window_extent(canvas.get_renderer()) for disc in discs]
+    for box in titles + captions:
+        assert 4 < box.y0 < box.y1 < figure.bbox.height - 4
+        assert 0 < box.x0 < box.x1 < figure.bbox.width
+    for caption, title in zip(captions, titles[3:], strict=False):
+        assert caption.y0 - title.y1 > 15
+
+
 PAGE = (ROOT / "docs" / "intensity.md").read_text(encoding="utf-8")
-COMMANDS = [line.split() for line in PAGE.splitlines() if line.startswith("    python ")]
+COMMANDS = [line.split() for line in PAGE.splitlines() if line.startswith("    .venv/bin/python ")]
 
 
 def test_the_page_shows_what_it_makes() -> None:

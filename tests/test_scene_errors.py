@@ -559,14 +559,14 @@ MISTAKES = {
         f"{E3}camera: {{fov: 60 deg, projection: {{fisheye: {{}}}}}}\n",
         "3:10",
         "'fov' belongs to the perspective projection, not to fisheye",
-        "projection: {fisheye: {angle: 180 deg}}",
+        "leave it out (--set camera.fov=null) and write 'projection: {fisheye: {angle: 60 deg}}'",
         schema=False,
     ),
     "fov of a dome": Mistake(
         f"{E3}camera: {{fov: 60 deg, projection: {{dome: {{}}}}}}\n",
         "3:10",
         "'fov' belongs to the perspective projection, not to dome",
-        "projection: {dome: {angle: 180 deg}}",
+        "projection: {dome: {angle: 60 deg}}",
         schema=False,
     ),
     "fov of a panorama": Mistake(
@@ -1006,7 +1006,7 @@ MISTAKES = {
     ),
     "reflectivity without reflections": Mistake(
         "geometry: e3\nobjects: [{ball: {radius: 1}, material: {reflectivity: 0.5}}]\n",
-        "2:41",
+        "2:42",
         "a material with reflectivity needs reflections, which this scene does not call for",
         "add 'effects: {reflections: {depth: 1}}'",
         schema=False,
@@ -1305,6 +1305,266 @@ MISTAKES = {
         by_matrices("[[[1, 0, 0, 0], [0, 1, 0], [0, 0, 1, 0], [0, 0, 0, 1]]]", "[[1, 0, 0, -0.5]]"),
         "4:31",
         "expected 4 numbers [x, y, z, w], found 3",
+    ),
+    # A word alone, where a mapping belongs
+    "word for a projection": Mistake(
+        f"{E3}camera: {{projection: fisheye}}\n",
+        "3:22",
+        "expected a projection, found 'fisheye'",
+        "write 'projection: {fisheye: {angle: 180 deg}}'",
+    ),
+    "word for a projection without keys": Mistake(
+        f"{E3}camera: {{projection: perspective}}\n",
+        "3:22",
+        "expected a projection, found 'perspective'",
+        "write 'projection: {perspective: {}}'",
+    ),
+    "other word for a projection": Mistake(
+        f"{E3}camera: {{projection: panorama}}\n",
+        "3:22",
+        "expected a projection, found 'panorama'",
+        "did you mean 'equirectangular'?",
+    ),
+    "word for fog": Mistake(
+        f"{E3}effects: {{fog: linear}}\n",
+        "3:16",
+        "expected fog, found 'linear'",
+        "write 'fog: {linear: {length: 12}}'",
+    ),
+    "word for a step": Mistake(
+        f"{E3}camera: {{move: [forward]}}\n", "3:17", "expected a step, found 'forward'", "'- forward: ...'"
+    ),
+    "word for a shape in a shape": Mistake(
+        an_object("union: [ball]"), "3:13", "expected a shape, found 'ball'", "write '{ball: {radius: 0.4}}'"
+    ),
+    "word for an object": Mistake(
+        an_object("ball"), "3:5", "expected an object, found 'ball'", "write '- ball: {radius: 0.4}'"
+    ),
+    "word for a texture": Mistake(
+        f"{E3}textures: {{e: checker}}\n",
+        "3:15",
+        "expected a pattern, found 'checker'",
+        "write '{checker: {count: 8, colors: [white, black]}}'",
+    ),
+    "picture for a texture": Mistake(
+        f"{E3}textures: {{e: earth}}\n", "3:15", "expected a pattern, found 'earth'", "write '{image: earth}'"
+    ),
+    "file for a texture": Mistake(
+        f"{E3}textures: {{e: my/photo.JPG}}\n",
+        "3:15",
+        "expected a pattern, found 'my/photo.JPG'",
+        "write '{image: my/photo.JPG}'",
+    ),
+    "pattern for a color": Mistake(
+        an_object("{ball: {radius: 1}, material: {color: checker}}"),
+        "3:43",
+        "'checker' is not a color",
+        "write 'color: {checker: {count: 8, colors: [white, black]}}'",
+    ),
+    "picture for a color": Mistake(
+        an_object("{ball: {radius: 1}, material: {color: earth}}"),
+        "3:43",
+        "'earth' is not a color",
+        "write 'color: {image: earth}'",
+    ),
+    "file for a color": Mistake(
+        an_object("{ball: {radius: 1}, material: {color: earth.png}}"),
+        "3:43",
+        "'earth.png' is not a color",
+        "write 'color: {image: earth.png}'",
+    ),
+    "texture without its dollar": Mistake(
+        f"{E3}textures: {{e: {{image: earth}}}}\nmaterials: {{m: {{color: textures.e}}}}\n",
+        "4:24",
+        "'textures.e' is not a color",
+        "did you mean '$textures.e'?",
+    ),
+    "bare name of a texture": Mistake(
+        f"{E3}textures: {{globe: {{image: earth}}}}\nmaterials: {{m: {{color: globe}}}}\n",
+        "4:24",
+        "'globe' is not a color",
+        "did you mean '$textures.globe'?",
+    ),
+    "texture as a param": Mistake(
+        f"{E3}textures: {{globe: {{image: earth}}}}\nmaterials: {{m: {{color: $globe}}}}\n",
+        "4:24",
+        "unknown name '$globe'",
+        "a texture goes by '$textures.globe'",
+        schema=False,
+    ),
+    "material as a param": Mistake(
+        f"{E3}materials: {{gold: {{color: gold}}}}\n".replace("}}]", "}, material: $gold}]"),
+        "2:41",
+        "unknown name '$gold'",
+        "a material goes by its bare name: gold",
+        schema=False,
+    ),
+    "word for stereo": Mistake(
+        f"{E3}camera: {{stereo: anaglyph}}\n",
+        "3:18",
+        "expected stereo, found 'anaglyph'",
+        "write 'stereo: {layout: anaglyph}'",
+    ),
+    # Words of other programs
+    **{
+        f"{key} of a point light": Mistake(
+            f"{E3}lights: [point: {{at: [0, 0, 1], {key}: 1}}]\n",
+            "3:33",
+            f"unknown key '{key}'",
+            "write 'ball: 0.1', the radius of a ball that shows where the light stands",
+        )
+        for key in ("radius", "size", "visible", "show")
+    },
+    "softness of shadows": Mistake(
+        f"{E3}lights: [{{sun: {{}}, shadows: {{softness: 1}}}}]\n",
+        "3:30",
+        "unknown key 'softness'",
+        "write 'soft: {sharpness: 5}'; larger is harder",
+    ),
+    "softness of soft shadows": Mistake(
+        f"{E3}lights: [{{sun: {{}}, shadows: {{soft: {{softness: 1}}}}}}]\n",
+        "3:37",
+        "unknown key 'softness'",
+        "write 'soft: {sharpness: 5}'; larger is harder",
+    ),
+    "shadows: true": Mistake(
+        f"{E3}lights: [{{sun: {{}}, shadows: true}}]\n",
+        "3:29",
+        "expected hard or soft, found true",
+        "write 'shadows: hard' or 'shadows: soft'",
+    ),
+    **{
+        f"effect {key}": Mistake(
+            f"{E3}effects: {{{key}: {{}}}}\n", "3:11", f"unknown key '{key}'", f"did you mean '{meant}'?"
+        )
+        for key, meant in (
+            ("ao", "ambient-occlusion"),
+            ("occlusion", "ambient-occlusion"),
+            ("mirrors", "reflections"),
+            ("reflection", "reflections"),
+        )
+    },
+    **{
+        f"{key} of a scene": Mistake(
+            f"{E3}{key}: white\n", "3:1", f"unknown key '{key}'", "did you mean 'background'?"
+        )
+        for key in ("environment", "sky")
+    },
+    **{
+        f"{key} of linear fog": Mistake(
+            f"{E3}effects: {{fog: {{linear: {{length: 3, {key}: 1}}}}}}\n",
+            "3:37",
+            f"unknown key '{key}'",
+            "length",
+        )
+        for key in ("start", "end", "far")
+    },
+    **{
+        f"{key} of stereo": Mistake(
+            f"{E3}camera: {{stereo: {{layout: anaglyph, {key}: 0.1}}}}\n",
+            "3:37",
+            f"unknown key '{key}'",
+            "did you mean 'distance'?",
+        )
+        for key in ("eyes", "ipd", "separation")
+    },
+    **{
+        f"{key} of an image": Mistake(
+            f"{E3}textures: {{e: {{image: {{file: earth, {key}: 2}}}}}}\n",
+            "3:37",
+            f"unknown key '{key}'",
+            "write 'size: [w, h]', which is that of one image",
+        )
+        for key in ("scale", "repeat")
+    },
+    **{
+        f"size of a {pattern}": Mistake(
+            f"{E3}textures: {{e: {{{pattern}: {{size: 2}}}}}}\n",
+            f"3:{26 - 3 * (pattern == 'grid')}",
+            "unknown key 'size'",
+            "did you mean 'count'?",
+        )
+        for pattern in ("checker", "grid")
+    },
+    "texture of a material": Mistake(
+        an_object("{ball: {radius: 1}, material: {texture: earth.png}}"),
+        "3:36",
+        "unknown key 'texture'",
+        "write 'color: {image: earth.png}'",
+    ),
+    "texture of an object": Mistake(
+        an_object("{ball: {radius: 1}, texture: earth.png}"),
+        "3:25",
+        "unknown key 'texture'",
+        "write 'material: {color: {image: earth.png}}'",
+    ),
+    **{
+        f"layout {layout}": Mistake(
+            f"{E3}camera: {{stereo: {{layout: {layout}}}}}\n",
+            "3:27",
+            f"'{layout}' is not one of: side-by-side, top-bottom, anaglyph",
+            f"did you mean '{meant}'?",
+        )
+        for layout, meant in (("sbs", "side-by-side"), ("over-under", "top-bottom"), ("red-cyan", "anaglyph"))
+    },
+    # Values with what does not belong to them
+    "exposure with a unit": Mistake(
+        f"{E3}outputs: [{{file: x.png, exposure: 1 stop}}]\n",
+        "3:35",
+        "expected a number, found '1 stop'",
+        "write 1",
+    ),
+    "percent": Mistake(
+        an_object("{ball: {radius: 1}, material: {specular: 12.5%}}"),
+        "3:46",
+        "expected a number, found '12.5%'",
+        "write 0.125",
+    ),
+    "broken number of geodesics": Mistake(
+        f"{SOL}lights: [point: {{at: [0, 0, 1], geodesics: 8.5}}]\n",
+        "3:44",
+        "expected a whole number, found 8.5",
+        "for a greatest length write 'geodesics: {within: 8.5}'",
+    ),
+    "size in one word": Mistake(
+        f"{E3}render: {{size: 800x600}}\n",
+        "3:16",
+        "expected 2 numbers [width, height], found '800x600'",
+        "write [800, 600]",
+    ),
+    "point without brackets": Mistake(
+        f"{E3}camera: {{look: {{up: 0 0 -1}}}}\n",
+        "3:21",
+        "expected 3 numbers [x, y, z], found '0 0 -1'",
+        "write [0, 0, -1]",
+    ),
+    "all translates": Mistake(
+        f"{E3}manifold: three-torus\nlights: [point: {{at: [0, 0, 0], translates: all}}]\n",
+        "4:45",
+        "expected a whole number, 'cell' or 'neighbours', found 'all'",
+        "those in the cells around it are 'neighbours'",
+    ),
+    "ambient alone": Mistake(
+        an_object("{ball: {radius: 1}, material: {ambient: 0.9}}"),
+        "3:45",
+        "ambient and specular add up to 1.1, which is more than 1",
+        "specular is 0.2 unless you say so: write 'specular: 0'",
+        schema=False,
+    ),
+    "specular alone": Mistake(
+        an_object("{ball: {radius: 1}, material: {specular: 1}}"),
+        "3:46",
+        "ambient and specular add up to 1.1, which is more than 1",
+        "ambient is 0.1 unless you say so: write 'ambient: 0'",
+        schema=False,
+    ),
+    "reflectivity of a named material without reflections": Mistake(
+        "geometry: e3\nobjects:\n  - {ball: {radius: 1}, material: mirror}\n"
+        "materials:\n  dull: {}\n  mirror: {reflectivity: 0.5}\n",
+        "6:12",
+        "a material with reflectivity needs reflections, which this scene does not call for",
+        "add 'effects: {reflections: {depth: 1}}'",
+        schema=False,
     ),
 }
 

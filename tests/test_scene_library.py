@@ -10,7 +10,7 @@ from thurston_cl import lattice
 from thurston_cl.cli.main import main
 from thurston_cl.errors import MissingFileError
 from thurston_cl.models import GEOMETRIES
-from thurston_cl.scene import library, load_scene, load_text, reference, scene_schema
+from thurston_cl.scene import library, load_scene, reference, scene_schema
 
 ROOT = Path(__file__).parent.parent
 SCENES = ROOT / "tests" / "data" / "scenes"
@@ -110,6 +110,11 @@ def test_scenes_command_errors(shelf: Path) -> None:
     assert missing.stdout == ""
     assert missing.stderr == "thurston: error: the library has no scene 'h3/wber'; did you mean 'h3/weber'?\n"
     assert thurston("scenes", "--show").exit_code == 2
+    # The name of a geometry stands for its scenes.
+    assert thurston("scenes", "h3").stdout.startswith("h3/weber  h3  ")
+    of_h3 = json.loads(thurston("scenes", "h3", "--json").stdout)["scenes"]
+    assert [scene["name"] for scene in of_h3] == ["h3/weber"]
+    assert thurston("scenes", "h3", "--show").exit_code == 2
 
 
 # thurston validate
@@ -120,8 +125,8 @@ def test_validate_good_scenes() -> None:
     result = thurston("validate", good, other)
     assert result.exit_code == 0
     assert result.stdout == (
-        f"{good}: ok: h3, seifert-weber; 1 object, 0 lights\n"
-        f"{other}: ok: e3, a lattice given by matrices; 1 object, 0 lights\n"
+        f"{good}: ok: h3, seifert-weber; 1 object, default lights\n"
+        f"{other}: ok: e3, a lattice given by matrices; 1 object, default lights\n"
     )
     assert result.stderr == ""
 
@@ -130,7 +135,7 @@ def test_validate_goes_on_after_mistakes(shelf: Path) -> None:
     broken = str(SCENES / "broken-five.yaml")
     result = thurston("validate", "nowhere.yaml", broken, "h3/weber")
     assert result.exit_code == 65
-    assert result.stdout == "h3/weber: ok: h3; 1 object, 0 lights\n"
+    assert result.stdout == "h3/weber: ok: h3; 1 object, default lights\n"
     assert result.stderr.startswith("thurston: error: there is no scene file nowhere.yaml; ")
     assert result.stderr.endswith(f"5 errors in {broken}\n")
     assert thurston("validate", "nowhere.yaml", "plain").exit_code == 66
@@ -148,9 +153,14 @@ def test_validate_json(shelf: Path) -> None:
         "help": "did you mean 'at'?",
         "origin": None,
     }
-    assert good == {"scene": "plain", "ok": True, "summary": "e3; 1 object, 0 lights", "errors": []}
+    assert good == {"scene": "plain", "ok": True, "summary": "e3; 1 object, default lights", "errors": []}
     assert "there is no scene file nowhere" in missing["errors"][0]["message"]
     assert result.stderr == ""
+
+
+def test_validate_counts_lights_that_the_scene_names(shelf: Path) -> None:
+    result = thurston("validate", "plain", "--set", "lights=[sun: {}]")
+    assert result.stdout == "plain: ok: e3; 1 object, 1 light\n"
 
 
 def test_validate_with_options(shelf: Path) -> None:
@@ -215,12 +225,3 @@ def test_links_of_the_reference_page_lead_somewhere() -> None:
     targets = {part.split(")")[0] for part in page.split("](#")[1:]}
     assert len(targets) > 20
     assert targets <= headings
-
-
-def test_examples_of_the_reference_page_load() -> None:
-    page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
-    scenes = [block.split("```")[0] for block in page.split("```yaml\n")[1:]]
-    scenes = [scene for scene in scenes if "geometry:" in scene]
-    assert len(scenes) >= 2
-    for scene in scenes:
-        load_text(scene)

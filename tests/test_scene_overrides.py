@@ -121,7 +121,13 @@ def test_param_whose_only_use_is_set_away() -> None:
         ("geometry.x=3", "'geometry' is a single value and has no 'x'", None),
         ("render.samples", "expected key=value", "for example --set render.samples=16"),
         ("render..samples=3", "expected key=value", "for example --set render.samples=16"),
-        ("render.samples=", "the value is empty", None),
+        ("render.samples=", "the value is empty", "to leave the key out write render.samples=null"),
+        ("camera.at=null", "there is no key 'camera.at' to leave out", None),
+        ("camera.look.to=null", "there is no key 'camera.look' to leave out", None),
+        ("objects.0=null", "there is no key 'objects.0' to leave out", None),
+        ("objects.7.at=~", "'objects' has 2 entries, counted from 0: there is no entry 7", None),
+        ("objects.2.at=~", "there is no key 'objects.2' to leave out", None),
+        ("geometry.x=null", "there is no key 'geometry.x' to leave out", None),
         ("a." * 5000 + "b=1", "nested more than 40 deep", None),
         ("title=*x", "aliases (*x) are not allowed in a scene", "give the value a name"),
         ("title=[", "not valid YAML: the bracket that opens here is not closed", None),
@@ -166,6 +172,19 @@ def test_text_with_options() -> None:
     again = load_text(text)
     assert again == scene
     assert again != load()
+
+
+def test_null_leaves_a_key_out() -> None:
+    sets = ["camera.fov=null", "objects.0.material=~", "camera.projection={fisheye: {}}"]
+    scene = load(sets=sets)
+    assert scene.camera.projection.kind == "fisheye"
+    plain = TEXT.replace("camera: {fov: $view}", "camera: {projection: {fisheye: {}}}")
+    assert (
+        scene.objects
+        == load_text(plain.replace("    material: {color: $tint}\n", ""), sets=["params={r: 0.3}"]).objects
+    )
+    again = load_text(scene.effective_text(), sets=["params={r: 0.3}"])
+    assert (again.camera, again.objects) == (scene.camera, scene.objects)
 
 
 def test_text_of_the_largest_scene_with_options() -> None:

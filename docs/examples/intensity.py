@@ -3,7 +3,7 @@
     python docs/examples/intensity.py -o intensity.png
     python docs/examples/intensity.py --geometry nil --radius 30 -o nil.png
 
-Needs matplotlib: pip install 'thurston_cl[plot]'. docs/intensity.md says what is to be seen.
+Needs matplotlib: pip install -e '.[plot]'. docs/intensity.md says what is to be seen.
 """
 
 import argparse
@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
@@ -79,7 +80,7 @@ def draw(panels: Sequence[Panel], radius: float = 10, pixels: int = 600) -> Figu
     """One disc for each panel, three in a row, and the scale of the colors below them."""
     columns = min(3, len(panels))
     rows = -(-len(panels) // columns)
-    figure = Figure(figsize=(3.3 * columns, 3.85 * rows + 0.8), layout="constrained")
+    figure = Figure(figsize=(3.3 * columns, 4.05 * rows + 1), layout=ConstrainedLayoutEngine(h_pad=0.12))
     axes = figure.subplots(rows, columns, squeeze=False)
     for place in axes.flat:
         place.set(xticks=[], yticks=[], frame_on=False)

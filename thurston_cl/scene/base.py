@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, model_validator
 from pydantic.annotated_handlers import GetJsonSchemaHandler
@@ -79,7 +79,7 @@ class Node(BaseModel):
         if isinstance(data, cls):
             return data
         if not isinstance(data, dict):
-            help = blank_after_colon(data, cls.keys()) if isinstance(data, str) else None
+            help = cls._for_word(data) if isinstance(data, str) else None
             raise problem(f"expected {cls.what}, found {shown(data)}", help or cls._for_example())
         keys = cls.keys()
         problems = list(cls._wrong_keys(data))
@@ -153,6 +153,34 @@ class Node(BaseModel):
         if inside:
             return f"it belongs inside {_or(inside)}: write '{inside[0]}: {{{key}: ...}}'"
         return f"known keys: {listing(keys, 20)}" if keys else "no keys are needed here"
+
+    @classmethod
+    def spelled_out(cls, word: str) -> str | None:
+        """The key and value that a bare word stands for: one of the keys, or a choice that a key offers."""
+        keys = cls.keys()
+        if key := nearest(word, cls.one_of):
+            inner = node_of(cls, keys[key])
+            return (inner.example or f"{key}: {{}}") if inner else f"{key}: ..."
+        for key, name in keys.items():
+            annotation = cls.model_fields[name].annotation
+            choices = get_args(annotation) if get_origin(annotation) is Literal else ()
+            if choice := nearest(word, choices):
+                return f"{key}: {choice}"
+        return None
+
+    @classmethod
+    def _for_word(cls, word: str) -> str | None:
+        """The help for a bare word in place of the mapping."""
+        if help := blank_after_colon(word, cls.keys()) or cls.hints.get(word):
+            return help
+        written = cls.spelled_out(word)
+        if written is None:
+            return None
+        if cls.example.startswith("- "):
+            return f"write '- {written}'"
+        outer = cls.example.partition(":")[0]
+        named = outer not in set(cls.keys())
+        return f"write '{outer}: {{{written}}}'" if named else f"write '{{{written}}}'"
 
     @classmethod
     def _for_example(cls) -> str | None:

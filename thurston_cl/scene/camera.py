@@ -171,8 +171,7 @@ class Stereo(Node):
     what = "stereo"
     example = "stereo: {layout: side-by-side, distance: 0.064}"
     hints: ClassVar[Mapping[str, str]] = {
-        "separation": "did you mean 'distance'?",
-        "baseline": "did you mean 'distance'?",
+        **dict.fromkeys(("separation", "baseline", "eyes", "ipd"), "did you mean 'distance'?"),
         "convergence": "views are parallel: shift the pictures against each other afterwards",
     }
 
@@ -233,14 +232,13 @@ class Camera(Node):
     def check(self, context: Context) -> Iterator[Problem]:
         kind = self.projection.kind
         if "fov" in self.model_fields_set and kind != "perspective":
-            cure = {
-                "equirectangular": "leave it out: there all directions are seen",
-                "fisheye": "leave it out and write 'projection: {fisheye: {angle: 180 deg}}'",
-                "dome": "leave it out and write 'projection: {dome: {angle: 180 deg}}'",
-            }
-            yield Problem(
-                ("fov",), f"'fov' belongs to the perspective projection, not to {kind}", cure[kind], True
-            )
+            cure = "leave it out (--set camera.fov=null)"
+            if kind == "equirectangular":
+                cure += ": there all directions are seen"
+            else:
+                angle = f"{math.degrees(self.fov):.10g} deg"
+                cure += f" and write 'projection: {{{kind}: {{angle: {angle}}}}}'"
+            yield Problem(("fov",), f"'fov' belongs to the perspective projection, not to {kind}", cure, True)
 
     @classmethod
     def fill(cls, data: dict[str, Any], context: Context) -> None:

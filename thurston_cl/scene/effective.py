@@ -4,7 +4,7 @@ import io
 
 from ruamel.yaml import YAML
 
-from .overrides import assign, read_overrides
+from .overrides import change, read_overrides
 from .source import SceneSource
 
 
@@ -19,7 +19,7 @@ def effective_text(source: SceneSource) -> str:
     yaml.indent(mapping=2, sequence=4, offset=2)
     data = yaml.load(source.text)
     for _, keys, value in overrides.sets:
-        assign(data, keys, value.data)
+        change(data, keys, value.data)
     for name, define in overrides.defines.items():
         data["params"][name] = define
     stream = io.StringIO()

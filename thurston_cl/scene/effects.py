@@ -28,6 +28,10 @@ class LinearFog(Node):
 
     what = "linear fog"
     example = "linear: {length: 12}"
+    hints: ClassVar[Mapping[str, str]] = {
+        "start": "it starts at the camera: write 'length', where nothing is left",
+        **dict.fromkeys(("end", "far"), "did you mean 'length'?"),
+    }
 
     length: Positive = Field(description="Where nothing is left: light is dimmed by 1 − l/length after l.")
     color: ColorValue = Field(default=color("black"), description="What is seen where the fog is thick.")
@@ -91,6 +95,8 @@ class Effects(Node):
     example = "effects: {fog: {exponential: {density: 0.15}}}"
     hints: ClassVar[Mapping[str, str]] = {
         "shadows": "shadows belong to a light: write '- point: {...}' and below it 'shadows: hard'",
+        **dict.fromkeys(("ao", "occlusion"), "did you mean 'ambient-occlusion'?"),
+        **dict.fromkeys(("mirrors", "reflection"), "did you mean 'reflections'?"),
         "reflectivity": "'reflectivity' belongs to a material; write 'reflections: {depth: 1}' here",
     }
 

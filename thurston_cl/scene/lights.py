@@ -39,6 +39,9 @@ def _geodesics(value: Any, info: ValidationInfo) -> Any:
         raise problem("expected a whole number or a greatest length, found 'all'", help)
     if isinstance(value, dict):
         return Within.model_validate(value, context=context_of(info))
+    if isinstance(value, float) and not value.is_integer():
+        help = f"for a greatest length write 'geodesics: {{within: {value:g}}}'"
+        raise problem(f"expected a whole number, found {shown(value)}", help)
     if not isinstance(value, Within) and whole_number(value) < 1:
         raise problem(f"geodesics must be at least 1; this is {shown(value)}")
     return value
@@ -50,7 +53,13 @@ class PointLight(Node):
     what = "a point light"
     example = 'point: {at: [0, 0, 1], color: "#ffddaa", intensity: 2}'
 
-    hints: ClassVar[Mapping[str, str]] = {"shadows": "'shadows' stands beside 'point', not inside it"}
+    hints: ClassVar[Mapping[str, str]] = {
+        "shadows": "'shadows' stands beside 'point', not inside it",
+        **dict.fromkeys(
+            ("radius", "size", "visible", "show"),
+            "write 'ball: 0.1', the radius of a ball that shows where the light stands",
+        ),
+    }
 
     at: Point = Field(description="Where it stands.")
     color: ColorValue = Field(default=color("white"), description="Its color.")
@@ -209,7 +218,7 @@ def _translates(value: Any) -> Any:
     if isinstance(value, str) and value != "neighbours":
         raise problem(
             f"expected a whole number, 'cell' or 'neighbours', found {shown(value)}",
-            did_you_mean(value, ("cell", "neighbours")),
+            did_you_mean(value, ("cell", "neighbours"), "those in the cells around it are 'neighbours'"),
         )
     if isinstance(value, (dict, list, bool)) or (
         isinstance(value, (int, float)) and (value < 1 or value != int(value))
@@ -229,6 +238,9 @@ class SoftShadows(Node):
 
     what = "soft shadows"
     example = "soft: {sharpness: 5}"
+    hints: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("softness", "radius", "size", "blur", "k"), "write 'soft: {sharpness: 5}'; larger is harder"
+    )
 
     sharpness: Positive = Field(
         default=8.0,
@@ -243,6 +255,7 @@ class Shadows(Node):
     what = "shadows"
     example = "shadows: {soft: {sharpness: 5}}"
     one_of = ("hard", "soft")
+    hints: ClassVar[Mapping[str, str]] = {"softness": SoftShadows.hints["softness"]}
 
     hard: HardShadows | None = Field(
         default=None, description="A place is lit or not. Short: `shadows: hard`."
@@ -255,7 +268,8 @@ def _shadows(value: Any, info: ValidationInfo) -> Any:
         return value
     if value not in Shadows.one_of:
         help = did_you_mean(value, Shadows.one_of) if isinstance(value, str) else None
-        raise problem(f"expected hard or soft, found {shown(value)}", help or "leave shadows out for none")
+        help = help or "write 'shadows: hard' or 'shadows: soft'; leave shadows out for none"
+        raise problem(f"expected hard or soft, found {shown(value)}", help)
     return Shadows.model_validate({value: {}}, context=context_of(info))
 
 

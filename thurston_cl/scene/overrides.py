@@ -48,9 +48,12 @@ def read_overrides(defines: Mapping[str, str | float], sets: Sequence[str]) -> O
         value = Document(data=value_text, places={(): Place(None, (0, 0))})
         if not value_text.strip().startswith("#"):
             value = parse(value_text)
-        if value.mistakes or value.data is None:
-            message = value.mistakes[0].message if value.mistakes else "the value is empty"
-            overrides.blame(origin, message, value.mistakes[0].help if value.mistakes else None)
+        if value.mistakes:
+            overrides.blame(origin, value.mistakes[0].message, value.mistakes[0].help)
+            continue
+        # What a shell leaves of an unset variable is not taken for a wish to remove the key.
+        if not value_text.strip():
+            overrides.blame(origin, "the value is empty", f"to leave the key out write {key.strip()}=null")
             continue
         overrides.sets.append((origin, key.strip().split("."), value))
     return overrides
@@ -78,18 +81,42 @@ def apply_sets(document: Document, overrides: Overrides) -> None:
     """Make the changes of `--set` in a document, and remember that the new values come from there."""
     for origin, keys, value in overrides.sets:
         try:
-            location = assign(document.data, keys, value.data)
+            location = change(document.data, keys, value.data)
         except ValueError as error:
             overrides.blame(origin, str(error))
             continue
         stale = [place for place in document.places if place[: len(location)] == location]
         for old in stale:
             del document.places[old]
+        if value.data is None:
+            continue
         # Mappings that were made on the way have no place yet.
         for end in range(1, len(location)):
             document.places.setdefault(location[:end], Place(None, (0, 0), origin))
         for below in value.places:
             document.places[location + below] = Place(None, (0, 0), origin)
+
+
+def change(data: Any, keys: Sequence[str], value: Any) -> Location:
+    """Put a value at dotted keys, or with None remove that key of a mapping; the location.
+
+    ValueError as `assign`, or if there is no such key."""
+    if value is not None:
+        return assign(data, keys, value)
+    container = data
+    location: list[str | int] = []
+    for depth, written in enumerate(keys):
+        name = ".".join(keys[: depth + 1])
+        inner = isinstance(container, list) and depth < len(keys) - 1
+        key = _index(written, container, ".".join(keys[:depth])) if inner else written
+        there = range(len(container)) if inner else container if isinstance(container, dict) else ()
+        if key not in there:
+            raise ValueError(f"there is no key '{name}' to leave out")
+        location.append(key)
+        if depth < len(keys) - 1:
+            container = container[key]
+    del container[key]
+    return tuple(location)
 
 
 def assign(data: Any, keys: Sequence[str], value: Any) -> Location:
@@ -170,7 +197,11 @@ def substitute(data: dict[str, Any], overrides: Overrides) -> Substitution:
         result.used.add(name)
         if name not in values:
             guess = nearest(name, values)
-            if guess:
+            if name in _names(data, "textures"):
+                help = f"a texture goes by '$textures.{name}'"
+            elif name in _names(data, "materials"):
+                help = f"a material goes by its bare name: {name}"
+            elif guess:
                 help = f"did you mean '${guess}'?"
                 result.used.add(guess)  # it is used, but for the spelling
             elif values:
@@ -195,6 +226,12 @@ def substitute(data: dict[str, Any], overrides: Overrides) -> Substitution:
         for key, value in data.items()
     }
     return result
+
+
+def _names(data: dict[str, Any], section: str) -> dict[str, Any]:
+    """What a section of the scene defines."""
+    found = data.get(section)
+    return found if isinstance(found, dict) else {}
 
 
 def _uses(location: Location, value: Any) -> Iterator[tuple[Location, str]]:

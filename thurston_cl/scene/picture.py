@@ -56,11 +56,20 @@ def size_problem(projection: str, layout: str | None, size: Size) -> tuple[str, 
             return f"each eye has half of the {name}, and {side} is odd", f"make it {side + 1}"
     width, height = eye_size(layout, size)
     if projection == "equirectangular" and width != 2 * height:
-        whole = f"{2 * height * across}, {height * down}"
+        fitting = fitting_size(projection, layout, size)
         each = f" for each eye ({layout})" if across * down > 1 else ""
         message = f"an equirectangular picture is twice as wide as high{each}; this is {size[0]} x {size[1]}"
-        return message, f"for example size: [{whole}]"
+        return message, f"for example size: [{fitting[0]}, {fitting[1]}]"
     return None
+
+
+def fitting_size(projection: str, layout: str | None, size: Size) -> Size:
+    """A size near the given one that a picture can have."""
+    across, down = GRIDS[layout]
+    width, height = -(-size[0] // across), -(-size[1] // down)
+    if projection == "equirectangular":
+        width = 2 * height
+    return width * across, height * down
 
 
 def views(layout: str | None, size: Size, area: Area) -> Iterator[View]:

@@ -91,6 +91,7 @@ class Scene(Node):
     hints: ClassVar[Mapping[str, str]] = {
         "include": "a scene is one file; 'thurston scenes' lists scenes to start from",
         "animation": "animations are not rendered yet",
+        **dict.fromkeys(("environment", "sky"), "did you mean 'background'?"),
         "krs": "kernel-reflection sequences are not rendered yet",
         "object": "did you mean 'objects'?",
     }
@@ -170,11 +171,18 @@ class Scene(Node):
         if mirrors and depth is None:
             message = "a material with reflectivity needs reflections, which this scene does not call for"
             help = "add 'effects: {reflections: {depth: 1}}', or leave reflectivity out"
-            yield Problem(("objects", mirrors[0], "material"), message, help)
+            yield Problem((*self._written_material(mirrors[0], context), "reflectivity"), message, help, True)
         elif depth is not None and not mirrors:
             message = "no object has a material with reflectivity"
             help = "leave reflections out, or give a material 'reflectivity: 0.5'"
             yield Problem(("effects", "reflections"), message, help, True)
+
+    def _written_material(self, index: int, context: Context) -> Location:
+        """Where the material of an object is written: with it, or among the materials."""
+        for name in context.names("materials"):
+            if context.entry("materials", name, Material) is self.objects[index].material:
+                return "materials", name
+        return "objects", index, "material"
 
     def remember(self, source: SceneSource, lattice: "Lattice | None") -> None:
         """Keep what is known from loading; only the loader calls this."""

@@ -417,7 +417,12 @@ class Object(Solid):
     example = "- ball: {radius: 0.4}"
     hints: ClassVar[Mapping[str, str]] = {
         key: help for key, help in Solid.hints.items() if key not in ("material", "name")
-    } | {"color": "the color belongs to the material: write 'material: {color: ...}'"}
+    } | {
+        "color": "the color belongs to the material: write 'material: {color: ...}'",
+        **dict.fromkeys(
+            ("texture", "image"), "it belongs to the material: write 'material: {color: {image: earth.png}}'"
+        ),
+    }
 
     material: MaterialValue = Field(default=Material(), description="What the surface is made of.")
     name: str | None = Field(default=None, description="A name, for messages and statistics.")

@@ -1,13 +1,16 @@
 """Surfaces: patterns, and materials by Phong's model."""
 
+import re
 from collections.abc import Iterator, Mapping
+from pathlib import PurePath
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo
+from pydantic_core import PydanticCustomError
 
 from .base import Node, Problem, problem, shown
 from .context import Context, context_of
-from .image_file import ImageFileValue
+from .image_file import ImageFileValue, image_folder
 from .suggest import did_you_mean, listing
 from .values import (
     NAME_PATTERN,
@@ -26,6 +29,9 @@ from .values import (
     to_color,
 )
 
+# By these a text is known for a picture where a color stands.
+_PICTURE_SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr", ".hdr", ".webp")
+
 SQUARES = (
     "How many squares, in the two directions: once around a ball or cylinder, and from pole to pole of a "
     "ball; in every other direction for each unit of length."
@@ -37,6 +43,7 @@ class Checker(Node):
 
     what = "a checker"
     example = "checker: {count: 8, colors: [white, black]}"
+    hints: ClassVar[Mapping[str, str]] = dict.fromkeys(("size", "scale", "repeat"), "did you mean 'count'?")
 
     count: SquareCount = Field(default=(8, 8), description=SQUARES)
     colors: Annotated[
@@ -49,6 +56,7 @@ class Grid(Node):
 
     what = "a grid"
     example = 'grid: {count: 8, width: 0.1, colors: [white, "#335577"]}'
+    hints: ClassVar[Mapping[str, str]] = Checker.hints
 
     count: SquareCount = Field(default=(8, 8), description=SQUARES)
     width: Fraction = Field(default=0.1, description="Width of a line, as a fraction of a square.")
@@ -112,6 +120,9 @@ class ImageTexture(Node):
 
     what = "an image"
     example = "image: {file: earth, size: [1, 1]}"
+    hints: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("scale", "repeat", "count", "tile"), "write 'size: [w, h]', which is that of one image"
+    )
 
     file: ImageFileValue = Field(
         description="The image: a file of at most 16384 x 16384 pixels, found from the folder of the scene, "
@@ -155,6 +166,17 @@ class Pattern(Node):
         Says("[image texture](#image-texture), or the name of its file alone"),
     ] = Field(default=None, description="A picture from a file.")
 
+    @classmethod
+    def spelled_out(cls, word: str) -> str | None:
+        return f"image: {word}" if _is_picture(word) else super().spelled_out(word)
+
+
+def _is_picture(word: str) -> bool:
+    """Whether a text names an image file, or a picture that comes with the program."""
+    return PurePath(word).suffix.lower() in _PICTURE_SUFFIXES or any(
+        file.stem == word for file in image_folder().glob("*.[jp][pn]g")
+    )
+
 
 def _paint(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, dict):
@@ -164,7 +186,23 @@ def _paint(value: Any, info: ValidationInfo) -> Any:
         if name not in context.names("textures"):
             raise problem(f"there is no texture '{name}'", _known_names(name, context, "textures"))
         return context.entry("textures", name, Pattern) or color("black")
-    return value if isinstance(value, Pattern) else to_color(value)
+    if isinstance(value, Pattern):
+        return value
+    try:
+        return to_color(value)
+    except PydanticCustomError:
+        help = _paint_meant(value, context_of(info)) if isinstance(value, str) else None
+        if help is None:
+            raise
+    raise problem(f"{shown(value)} is not a color", help)
+
+
+def _paint_meant(word: str, context: Context) -> str | None:
+    """The help for a text that is no color, if it names a pattern, a picture or a texture."""
+    if word in Pattern.one_of or _is_picture(word):
+        return f"write 'color: {{{Pattern.spelled_out(word)}}}'"
+    name = re.sub(r"^\$?textures?\.", "", word)
+    return f"did you mean '$textures.{name}'?" if name in context.names("textures") else None
 
 
 def _known_names(name: str, context: Context, section: str) -> str:
@@ -194,6 +232,9 @@ class Material(Node):
         "strips": "a pattern is a color: write 'color: {strips: ...}'",
         "image": "a pattern is a color: write 'color: {image: ...}'",
         "reflection": "did you mean 'reflectivity'?",
+        **dict.fromkeys(
+            ("texture", "map", "picture"), "a picture is a color: write 'color: {image: earth.png}'"
+        ),
         "mirror": "write 'reflectivity: 0.5', and 'reflections: {depth: 1}' in the effects of the scene",
     }
 
@@ -225,7 +266,12 @@ class Material(Node):
         if self.ambient + self.specular > 1 + 1e-6:
             where = "specular" if "specular" in self.model_fields_set else "ambient"
             message = f"ambient and specular add up to {self.ambient + self.specular:g}, which is more than 1"
-            yield Problem((where,), message)
+            help = None
+            if "specular" not in self.model_fields_set:
+                help = f"specular is {self.specular:g} unless you say so: write 'specular: 0'"
+            elif "ambient" not in self.model_fields_set:
+                help = f"ambient is {self.ambient:g} unless you say so: write 'ambient: 0'"
+            yield Problem((where,), message, help)
         elif abs(total - 1) > 1e-6:
             rest = max(0.0, 1 - self.ambient - self.specular)
             message = f"ambient, diffuse and specular add up to {total:g} instead of 1"

@@ -57,6 +57,10 @@ def _number(value: object) -> float:
             help = f"a decimal point, not a comma: {value.strip().replace(',', '.')}"
         elif re.fullmatch(r"\s*[-+]?[\d.]+\s*(deg|rad|turn|[cm]?m|px)\s*", value):
             help = "lengths have no unit: write the number alone"
+        elif counted := re.fullmatch(r"\s*([-+]?\d+\.?\d*)\s*(stops?|ev)\s*", value, re.IGNORECASE):
+            help = f"write {counted[1]}"
+        elif percent := re.fullmatch(r"\s*(\d+\.?\d*)\s*%\s*", value):
+            help = f"write {float(percent[1]) / 100:.10g}"
         elif re.search(r"[*/^()]|\b(pi|sqrt)\b", value):
             help = "a scene holds numbers, not expressions: write the value out"
     raise problem(f"expected a number, found {shown(value)}", help)
@@ -138,9 +142,11 @@ def _field_of_view(angle: float) -> float:
     if angle <= 0:
         raise problem("a field of view is greater than 0 deg")
     if angle >= math.pi:
+        degrees = min(360.0, math.degrees(angle))
         raise problem(
             "a perspective view is between 0 and 180 deg",
-            "wider views need another projection: 'projection: {fisheye: {angle: 200 deg}}' without 'fov'",
+            "wider views need another projection: "
+            f"'projection: {{fisheye: {{angle: {degrees:.10g} deg}}}}' without 'fov'",
         )
     return angle
 
@@ -213,9 +219,12 @@ class AtLeast:
 def _list_of(length: int, names: str) -> Callable[[object], object]:
     def check(value: object) -> object:
         if not isinstance(value, (list, tuple)):
-            axis = {"x": "[1, 0, 0]", "y": "[0, 1, 0]", "z": "[0, 0, 1]"}.get(str(value))
+            written = {"x": "[1, 0, 0]", "y": "[0, 1, 0]", "z": "[0, 0, 1]"}.get(str(value))
+            numbers = re.split(r"\s*[xX×,]\s*|\s+", str(value).strip())
+            if len(numbers) == length and all(re.fullmatch(r"[-+]?\d+\.?\d*", text) for text in numbers):
+                written = f"[{', '.join(numbers)}]"
             raise problem(
-                f"expected {length} numbers {names}, found {shown(value)}", axis and f"write {axis}"
+                f"expected {length} numbers {names}, found {shown(value)}", written and f"write {written}"
             )
         if len(value) != length:
             raise problem(f"expected {length} numbers {names}, found {len(value)}")
