@@ -126,6 +126,8 @@ def test_an_effect_is_compiled_where_it_is_named_and_changes_nothing_else(effect
     plans = make_plan(load_text(without)), make_plan(load_text(with_it), channels=more["channels"])
     for plan, named in zip(plans, (False, True), strict=True):
         assert (effect in plan.called_for) == named and (effect in plan.left_out) != named
+        assert (effect in plan.costs) == named and (effect in plan.costs_left_out) != named
+        assert not named or plan.costs[effect].count > 0
         for function in functions:
             assert bool(re.search(rf"\b{function}\(", plan.source.text)) == named, function
     bare, full = picture(without, channels=channels), picture(with_it, **more)
