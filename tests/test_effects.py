@@ -307,6 +307,29 @@ def test_the_ball_of_a_light_shades_other_lights_and_not_its_own() -> None:
     assert np.count_nonzero(darker & (with_ball.channels["object"] == 2)) > 12
 
 
+@pytest.mark.parametrize("geometry", ["h2xe", "nil"])
+@pytest.mark.parametrize("kind", ["hard", "soft"])
+def test_over_a_level_plane_the_ball_of_a_light_does_not_shade_its_own(geometry: str, kind: str) -> None:
+    """There soft shadows work out the distance anew."""
+
+    def lit(ball: str) -> tc.Image:
+        return picture(
+            text(
+                geometry=geometry,
+                light=f"point: {{at: [0.3, -0.4, 0.9]{ball}}}",
+                shadows=kind,
+                more="render: {far: 8}",
+            )
+        )
+
+    bare, lamp = lit(""), lit(", ball: 0.2")
+    same = bare.channels["object"] == lamp.channels["object"]
+    assert (lamp.channels["object"] == 3).sum() > 50 and (same & (bare.channels["object"] == 2)).sum() > 2000
+    # Rounding may move the steps of a ray, and with them the least distance by a little.
+    off = np.abs(bare.channels["beauty"] - lamp.channels["beauty"]).max(axis=2)[same]
+    assert np.count_nonzero(off > 1e-3) <= 0.002 * off.size
+
+
 def test_the_second_geodesic_of_s3_is_as_bright_as_its_area_density_says() -> None:
     """2 pi - theta long, density sin^2, the light's own color and intensity in it (a known bug elsewhere)."""
 

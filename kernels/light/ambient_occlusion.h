@@ -11,7 +11,7 @@
 
 FN real ambient_occlusion(shading s, mask counted, scene_data scene, int k, work *done)
 {
-  mask lost = NOT(counted | NOT(counted));
+  mask lost = counted & NOT(counted);
   real height = REAL(0), step = number(scene, k) / REAL(OCCLUSION_HEIGHTS), hidden = REAL(0);
   scalar weight = 1, sum = 0;
   ray r = new_ray(s.p, push(s.p, s.normal));

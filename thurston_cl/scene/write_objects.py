@@ -42,7 +42,8 @@ def write_objects(writer: Writer) -> int:
         surface += ["point q = p;", "surface on_image = best;"]
     if writer.cell_ids:
         surface.append("real seen_from = *cell;")
-    count, clearance = 0, list[str]()
+    count = 0
+    written_as: list[tuple[int, schema.Solid, Array, _SolidText, Array]] = []
     lamps = {
         number: ("lights", light, "point")
         for number, light in enumerate(writer.scene.lamps, start=1 + len(writer.scene.objects))
@@ -51,7 +52,7 @@ def write_objects(writer: Writer) -> int:
         written = lamps.get(k, ("objects", k - 1))
         _check_tile(writer, solid, written)
         try:
-            outer = _carry(writer, solid, ("objects", k - 1))
+            outer = _carry(writer, solid, written)
             text = _SolidText(writer, solid, outer)
             seen = np.empty((0, 4, 4))
             if writer.lattice is not None:
@@ -82,20 +83,18 @@ def write_objects(writer: Writer) -> int:
             own = f"object_{k}_distance(p, v, scene)"
             more_distance = [f"distance = fmin(distance, {own});" if distance else f"real distance = {own};"]
             surface += [f"s = object_{k}_surface(p, scene);", *_take_nearer(k, solid)]
-        clearance += _clearance(writer, k, solid, outer, text, seen)
-        distance += [f"if (scene.skipped != {k}) {{", *more_distance, "}"] if k in lamps else more_distance
+        written_as.append((k, solid, outer, text, seen))
+        distance += _unless_skipped(k, more_distance) if k in lamps else more_distance
     writer.function(
         "real scene_distance(point p, vector v, scene_data scene)", [*distance, "return distance;"]
     )
     if needs_clearance(writer):
+        body = ["clear = REAL(INFINITY);", "vector v = {REAL(0), REAL(0), REAL(0), REAL(0)};"]
+        for one in written_as:
+            lines = _clearance(writer, *one)
+            body += _unless_skipped(one[0], lines) if one[0] in lamps else lines
         writer.function(
-            "real scene_clearance(point p, real clear, scene_data scene)",
-            [
-                "clear = REAL(INFINITY);",
-                "vector v = {REAL(0), REAL(0), REAL(0), REAL(0)};",
-                *clearance,
-                "return clear;",
-            ],
+            "real scene_clearance(point p, real clear, scene_data scene)", [*body, "return clear;"]
         )
     writer.function(
         "void scene_surface(point p, vector v, real t, real *object, real *cell, covector *gradient,"
@@ -104,6 +103,11 @@ def write_objects(writer: Writer) -> int:
         called=writer.large,
     )
     return count
+
+
+def _unless_skipped(k: int, lines: list[str]) -> list[str]:
+    """Lines for object k, a lamp, which its own light does not meet."""
+    return [f"if (scene.skipped != {k}) {{", *(f"  {line}" for line in lines), "}"]
 
 
 def _is_directed(text: "_SolidText") -> bool:
