@@ -95,9 +95,12 @@ def effects(device: Device, repeat: int) -> None:
         ],
         repeat,
     )
-    light = [*SETTINGS["image"], *MORE["light as the geometry makes it (area density)"]]
+    # What has no switch is in all of these.
+    unswitched = ("image", "cell ids", "light along all geodesics up to a length")
+    light = [setting for name in unswitched for setting in SETTINGS[name]]
+    light += MORE["light as the geometry makes it (area density)"]
     assembled = [
-        each("assembled: an image in that light alone", light),
+        each("assembled: image, cell ids and light alone", light),
         each("everything compiled, the rest switched off", together, False),
         each("everything compiled, switched on", together, True),
         each("assembled: everything", together),

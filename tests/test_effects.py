@@ -642,3 +642,72 @@ def test_ambient_occlusion_is_the_same_at_every_width(geometry: str, manifold: s
     assert many.statistics["nan"] == 0 and many.statistics["hits"] > 100
     off = np.abs(many.channels["beauty"] - one.channels["beauty"]).max(axis=2) > 1e-3
     assert np.count_nonzero(off) <= 0.01 * off.size
+
+
+SPOILT = {
+    "hard": ("light/hard_shadow.h", "  done->shadow_steps +=", "started"),
+    "soft": ("light/soft_shadow.h", "  done->shadow_steps +=", "started"),
+    "mirror": ("light/reflection.h", "    share = SELECT(open & is_lost(r)", "open"),
+    "occlusion": ("light/ambient_occlusion.h", "    lost |=", ""),
+}
+
+
+@pytest.mark.parametrize("fog", ["", "fog: {linear: {length: 12}}", "fog: {exponential: {density: 0.1}}"])
+@pytest.mark.parametrize("effect", SPOILT)
+def test_a_ray_that_comes_to_nothing_is_a_counted_pixel_of_background(
+    effect: str, fog: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every second ray gets a length that is no number: its pixel is counted, and shows no made-up light."""
+    part, place, lanes = SPOILT[effect]
+    spoil = f"r.t = SELECT({lanes}, REAL(NAN), r.t); r.hit &= NOT({lanes}); r.active &= NOT({lanes});\n"
+    if effect == "occlusion":
+        spoil = "clear = SELECT(counted, REAL(NAN), clear);\n"
+
+    def spoilt(file: str) -> str:
+        return kernel_text(file).replace(place, spoil + place) if file == part else kernel_text(file)
+
+    scene = text(
+        mirror=", reflectivity: 0.4" if effect == "mirror" else "",
+        shadows=effect if effect in ("hard", "soft") else "",
+        effects=", ".join(
+            filter(
+                None,
+                [
+                    fog,
+                    {"mirror": "reflections: {depth: 1}", "occlusion": "ambient-occlusion: {reach: 1}"}.get(
+                        effect
+                    ),
+                ],
+            )
+        ),
+    )
+    sound = picture(scene)
+    monkeypatch.setattr("thurston_cl.program.kernel_text", spoilt)
+    image = picture(scene)
+    ball = np.count_nonzero(sound.channels["object"] == 1)
+    least = {"mirror": ball, "occlusion": sound.statistics["hits"]}.get(
+        effect, 0.4 * sound.statistics["hits"]
+    )
+    assert sound.statistics["nan"] == 0 and image.statistics["nan"] >= least > 0
+    assert image.statistics["hits"] + image.statistics["nan"] == sound.statistics["hits"]
+    assert np.isfinite(image.channels["beauty"]).all() and image.channels["beauty"].max() < 10
+
+
+@pytest.mark.parametrize("geometry", ["h2xe", "nil"])
+@pytest.mark.parametrize("shape", ["ball: {radius: 0.25}", "cylinder: {radius: 0.15}"])
+def test_a_union_with_a_level_plane_shades_as_its_members(geometry: str, shape: str) -> None:
+    def seen(objects: str) -> tc.Image:
+        return picture(
+            f"geometry: {geometry}\nrender: {{far: 6}}\n"
+            "camera: {at: [0.2, -1.2, 0.4], look: {to: [0, 0, 0]}}\n"
+            f"objects:\n{objects}lights: [{{sun: {{from: [0, 0, 1]}}}}]\n"
+            "effects: {ambient-occlusion: {reach: 0.5}}\n"
+        )
+
+    glow = "material: {color: white, ambient: 1, diffuse: 0, specular: 0}"
+    plane = "half-space: {normal: [0, 0, 1], offset: -0.3}"
+    apart = seen(f"  - {shape}\n    {glow}\n  - {plane}\n    {glow}\n")
+    union = seen(f"  - union: [{{{shape}}}, {{{plane}}}]\n    {glow}\n")
+    same = (apart.channels["object"] > 0) == (union.channels["object"] > 0)
+    off = np.abs(apart.channels["beauty"] - union.channels["beauty"]).max(axis=2)
+    assert same.mean() > 0.995 and np.count_nonzero(off[same] > 1e-3) <= 0.005 * off.size

@@ -22,7 +22,7 @@ from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
 from thurston_cl.scene.picture import View, size_problem, views
 from thurston_cl.scene.plan import Plan, make_plan
-from thurston_cl.scene.texels import image_digests, images_of
+from thurston_cl.scene.texels import images_of
 
 CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
 
@@ -143,7 +143,7 @@ def render(
         "size": list(whole),
         "samples": samples,
     }
-    return Image(image_channels, _metadata(scene, chosen, statistics, area), statistics)
+    return Image(image_channels, _metadata(plan, chosen, statistics, area), statistics)
 
 
 def _check_name(what: str, name: str, known: Collection[str]) -> None:
@@ -161,14 +161,14 @@ def _checked_crop(crop: tuple[int, int, int, int] | None, size: tuple[int, int])
 
 
 def _metadata(
-    scene: schema.Scene, device: Device, statistics: dict[str, Any], area: tuple[int, int, int, int]
+    plan: Plan, device: Device, statistics: dict[str, Any], area: tuple[int, int, int, int]
 ) -> dict[str, str]:
     """Everything that it takes to make the picture again."""
     packages = ("thurston_cl", "pyopencl", "numpy", "OpenImageIO")
     settings = {key: statistics[key] for key in ("precision", "lanes", "finish", "size", "samples")}
     info = device.info
     return {
-        "scene": scene.effective_text(),
+        "scene": plan.scene.effective_text(),
         "settings": json.dumps({**settings, "crop": list(area)}),
         "versions": json.dumps(
             {name: version(name) for name in packages} | {"python": platform.python_version()}
@@ -181,7 +181,7 @@ def _metadata(
                 "driver": info.driver,
             }
         ),
-        "images": json.dumps(image_digests(scene)),
+        "images": json.dumps(plan.image_digests),
         "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
     }
 

@@ -8,7 +8,7 @@ FN real3_lanes seen_with_reflections(ray r, look *first, int depth, int max_step
     look l = look_at(r, from + r.t, max_steps, scene, done);
     if (bounce == 0) *first = l;
     real mirrored = bounce < depth ? SELECT(r.hit, l.s.m.reflectivity, REAL(0)) : REAL(0);
-    real to = SELECT(r.hit | is_lost(r), from + r.t, REAL(INFINITY));
+    real to = SELECT(r.hit, from + r.t, REAL(INFINITY));
     real left = scene_clear(to, scene) / fmax(scene_clear(from, scene), REAL(TINY));
     seen = add_scaled_3(seen, scene_air(scale_3(l.color, REAL(1) - mirrored), left, scene), share);
     share *= left * mirrored;
@@ -21,6 +21,7 @@ FN real3_lanes seen_with_reflections(ray r, look *first, int depth, int max_step
     next.active = open;
     r = next;
     march(&r, number(scene, FAR), max_steps, scene);
+    share = SELECT(open & is_lost(r), REAL(NAN), share);
     done->reflection_steps += r.steps;
     done->distances += distances_of(r, open);
     // One out of steps shows what it came nearest to, as a first ray does.

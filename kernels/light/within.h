@@ -1,3 +1,4 @@
 // within.h - light along all geodesics that are no longer than a length: they come shortest first, so that a lane is done with the first
-// that is longer.
-FN mask arrives_within(arrival a, real most) { return a.length <= most; }
+// that is longer, or unsolved: that has to arrive, so that its pixel is counted.
+FN mask arrives_within(arrival a, real most) { return NOT(a.length > most) | NOT(a.intensity == a.intensity); }
+FN mask goes_on(arrival a, real most) { return a.length <= most; }

@@ -12,6 +12,8 @@
 #endif
 
 FN surface horizontal_half_space_surface(point q);
+FN real horizontal_half_space_clearance(point q, vector v);
+FN real bisected_half_space_clearance(point q, vector v) { return horizontal_half_space_clearance(q, v); }
 FN surface bisected_half_space_surface(point q) { return horizontal_half_space_surface(q); }
 
 FN real level_after(point q, vector v, real t)

@@ -24,6 +24,14 @@ FN surface horizontal_half_space_surface(point q)
   return s;
 }
 
+// The distance in all directions, to first order: the level by the size of its gradient. Exact in the products.
+FN real horizontal_half_space_clearance(point q, vector v)
+{
+  surface s = horizontal_half_space_surface(q);
+  direction g = pull_covector(q, s.gradient);
+  return s.distance * rsqrt(dot_3(g, g));
+}
+
 FN real horizontal_half_space_distance(point q, vector v)
 {
   real level = horizontal_half_space_surface(q).distance, way = fmax(fabs(level), REAL(TINY)), never = REAL(INFINITY);

@@ -233,8 +233,13 @@ class Camera(Node):
         kind = self.projection.kind
         if "fov" in self.model_fields_set and kind != "perspective":
             cure = "leave it out (--set camera.fov=null)"
-            if kind == "equirectangular":
+            round_picture = self.projection.fisheye or self.projection.dome
+            if round_picture is None:
                 cure += ": there all directions are seen"
+            elif "angle" in round_picture.model_fields_set:
+                cure += f": the angle of the {kind} is given"
+            elif round_picture.model_fields_set:
+                cure += f" and write 'angle: {math.degrees(self.fov):.10g} deg' in the {kind}"
             else:
                 angle = f"{math.degrees(self.fov):.10g} deg"
                 cure += f" and write 'projection: {{{kind}: {{angle: {angle}}}}}'"

@@ -57,6 +57,8 @@ def predict(geometry: str, asked: Mapping[str, float]) -> dict[str, Cost]:
                 work, steps = "mirrored rays if all one sees is a mirror", MIRRORED_STEPS
             case "pattern/image.h":
                 work, steps = "footprints", FOOTPRINT + AREA[geometry]
+            case "light/within.h":
+                work, steps = "lights", (GEODESICS_WITHIN - 1) * LIGHT[geometry]
             case "cells.h":
                 work, steps = "cells of a ray", CELLS
             case _:

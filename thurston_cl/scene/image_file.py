@@ -63,7 +63,7 @@ def _image_file(value: object, info: ValidationInfo) -> ImageFile:
 
 def _instead_of(path: Path) -> str:
     """What to write in place of a file that is not there."""
-    if path.stem in _pictures():
+    if path.stem in pictures():
         return f"the picture that comes with the program is called '{path.stem}'"
     beside = path.parent.iterdir() if path.parent.is_dir() else ()
     known = [file.name for file in beside if file.suffix.lower() in SUFFIXES]
@@ -72,17 +72,17 @@ def _instead_of(path: Path) -> str:
     return f"did you mean '{guess}'? It is in {path.parent}" if guess else looked
 
 
-def _pictures() -> dict[str, Path]:
+def pictures() -> dict[str, Path]:
     """The pictures that come with the program, by their bare names."""
     return {file.stem: file for file in image_folder().iterdir() if file.suffix in SUFFIXES}
 
 
 def _shipped(name: str) -> Path:
     """The picture with this bare name that comes with the program."""
-    known = _pictures()
+    known = pictures()
     if name not in known:
-        pictures = f"these pictures come with the program: {', '.join(sorted(known))}"
-        help = did_you_mean(name, known, f"{pictures}; the name of a file has a suffix, as in {name}.jpg")
+        listed = f"these pictures come with the program: {', '.join(sorted(known))}"
+        help = did_you_mean(name, known, f"{listed}; the name of a file has a suffix, as in {name}.jpg")
         raise problem(f"no picture '{name}' comes with the program", help)
     return known[name]
 

@@ -40,7 +40,7 @@ def _geodesics(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, dict):
         return Within.model_validate(value, context=context_of(info))
     if isinstance(value, float) and not value.is_integer():
-        help = f"for a greatest length write 'geodesics: {{within: {value:g}}}'"
+        help = f"for a greatest length write 'geodesics: {{within: {abs(value):g}}}'"
         raise problem(f"expected a whole number, found {shown(value)}", help)
     if not isinstance(value, Within) and whole_number(value) < 1:
         raise problem(f"geodesics must be at least 1; this is {shown(value)}")

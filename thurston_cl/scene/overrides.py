@@ -110,6 +110,12 @@ def change(data: Any, keys: Sequence[str], value: Any) -> Location:
         inner = isinstance(container, list) and depth < len(keys) - 1
         key = _index(written, container, ".".join(keys[:depth])) if inner else written
         there = range(len(container)) if inner else container if isinstance(container, dict) else ()
+        if isinstance(container, list) and not inner:
+            _index(written, container, ".".join(keys[:depth]))
+            whole = ".".join(keys[:depth])
+            raise ValueError(
+                f"'{name}' is an entry of a list, and only keys can be left out: set '{whole}' anew"
+            )
         if key not in there:
             raise ValueError(f"there is no key '{name}' to leave out")
         location.append(key)

@@ -65,6 +65,7 @@ class Plan:
     object_images: int
     light_images: int
     asked: Mapping[str, float]
+    image_digests: Mapping[str, str]
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -91,7 +92,8 @@ class Plan:
     @property
     def costs_left_out(self) -> dict[str, Cost]:
         """What each effect that this scene does not name would cost: shadows those of all lights."""
-        return self._costs({effect: effect_files.EFFECTS[effect] for effect in self.left_out})
+        left_out = [effect for effect in self.left_out if self.scene.lattice or effect != "cell ids"]
+        return self._costs({effect: effect_files.EFFECTS[effect] for effect in left_out})
 
     def _costs(self, named: Mapping[str, str]) -> dict[str, Cost]:
         lights = self.asked.get("light/point.h", 0) + self.asked.get("light/sun.h", 0)
@@ -188,6 +190,7 @@ def make_plan(
         object_images,
         light_images,
         writer.asked,
+        writer.texels.digests,
     )
 
 

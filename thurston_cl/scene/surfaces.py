@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from .base import Node, Problem, problem, shown
 from .context import Context, context_of
-from .image_file import ImageFileValue, image_folder
+from .image_file import SUFFIXES, ImageFileValue, pictures
 from .suggest import did_you_mean, listing
 from .values import (
     NAME_PATTERN,
@@ -28,9 +28,6 @@ from .values import (
     color,
     to_color,
 )
-
-# By these a text is known for a picture where a color stands.
-_PICTURE_SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr", ".hdr", ".webp")
 
 SQUARES = (
     "How many squares, in the two directions: once around a ball or cylinder, and from pole to pole of a "
@@ -173,9 +170,7 @@ class Pattern(Node):
 
 def _is_picture(word: str) -> bool:
     """Whether a text names an image file, or a picture that comes with the program."""
-    return PurePath(word).suffix.lower() in _PICTURE_SUFFIXES or any(
-        file.stem == word for file in image_folder().glob("*.[jp][pn]g")
-    )
+    return PurePath(word).suffix.lower() in SUFFIXES or word in pictures()
 
 
 def _paint(value: Any, info: ValidationInfo) -> Any:

@@ -58,12 +58,15 @@ class Texels:
     _levels: list[Array] = field(default_factory=list)
     _places: dict[Path, list[float]] = field(default_factory=dict)
     _count: int = 0
+    # The SHA-256 of each file, by the name that the scene has for it.
+    digests: dict[str, str] = field(default_factory=dict)
 
     def add(self, file: ImageFile) -> list[float]:
         """For each level of an image, largest first, its place in pages and beyond, its width and height."""
         from thurston_cl.image import read_texture
 
         path = file.path.resolve()
+        self.digests[file.written] = hashlib.sha256(path.read_bytes()).hexdigest()
         if path not in self._places:
             self._places[path] = places = []
             for level in pyramid(read_texture(path)):
@@ -78,12 +81,6 @@ class Texels:
         if not self._levels:
             return np.zeros(1, np.float32)
         return np.concatenate([level.ravel() for level in self._levels])
-
-
-def image_digests(scene: schema.Scene) -> dict[str, str]:
-    """The SHA-256 of each image file, by the name that the scene has for it."""
-    found = {texture.file.written: texture.file.path for _, texture in images_of(scene)}
-    return {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in found.items()}
 
 
 def images_of(scene: schema.Scene) -> Iterator[tuple[Location, schema.ImageTexture]]:

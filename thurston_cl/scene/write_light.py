@@ -112,6 +112,8 @@ def _ambient(writer: Writer) -> list[str]:
             lit += f" & NOT(s.object > REAL({len(writer.scene.objects)}))"
         left = f"ambient_occlusion(s, {lit}, scene, {place}, done)"
         lines += writer.effect("light/ambient_occlusion.h", [f"seen = scale_3(seen, {left});"])
+        # Each distance looks at more images than that of a ray.
+        writer.asked["light/ambient_occlusion.h"] *= max(1.0, writer.clearances / writer.distances)
     return lines
 
 
@@ -146,10 +148,13 @@ def _loop(writer: Writer, camera: CameraFrame, asked: _Asked, lights: Sequence[_
         lines = [f"arrival a = point_light(s, light, k, {counted}, done);"]
     if asked.within is not None:
         writer.parts.add("light/within.h")
+        writer.asked["light/within.h"] += len(lights)
+        most = f"number(scene, {writer.numbers.add([asked.within])})"
         lines += [
-            f"left &= arrives_within(a, number(scene, {writer.numbers.add([asked.within])}));",
-            "if (!ANY(left)) break;",
-            "a.lit &= left;",
+            f"mask arrives = left & arrives_within(a, {most});",
+            "if (!ANY(arrives)) break;",
+            "a.lit &= arrives;",
+            f"left &= goes_on(a, {most});",
         ]
     lines.append(f"a.intensity = {falloff}(a);")
     fog = writer.scene.effects.fog

@@ -102,17 +102,13 @@ def write_objects(writer: Writer) -> int:
         [*surface, "*gradient = best.gradient;", *_write_images(writer)],
         called=writer.large,
     )
+    writer.distances = len(writer.scene.solids) + count
     return count
 
 
 def _unless_skipped(k: int, lines: list[str]) -> list[str]:
     """Lines for object k, a lamp, which its own light does not meet."""
     return [f"if (scene.skipped != {k}) {{", *(f"  {line}" for line in lines), "}"]
-
-
-def _is_directed(text: "_SolidText") -> bool:
-    """Whether the distance of a solid holds along the ray alone."""
-    return any(f"{shape}_distance(" in text.distance for shape in DIRECTED)
 
 
 def needs_clearance(writer: Writer) -> bool:
@@ -126,9 +122,15 @@ def needs_clearance(writer: Writer) -> bool:
 def _clearance(
     writer: Writer, k: int, solid: schema.Solid, outer: Array, text: "_SolidText", seen: Array
 ) -> list[str]:
-    """Lines that take the distance of object k into account: with its images as far as ambient occlusion
-    looks, and where it is directed to first order, by its level and the gradient of that.
+    """Lines that take the distance of object k into account, in all directions where it is directed, and with
+    its images as far as ambient occlusion looks.
     """
+    distance = text.distance
+    for shape in DIRECTED:
+        distance = distance.replace(f"{shape}_distance(", f"{shape}_clearance(")
+    writer.function(
+        f"real object_{k}_clearance(point p, vector v, scene_data scene)", [f"return {distance};"]
+    )
     occlusion = writer.scene.effects.ambient_occlusion
     if occlusion is not None and writer.lattice is not None:
         try:
@@ -137,14 +139,11 @@ def _clearance(
             raise writer.scene.error_at(
                 ("effects", "ambient-occlusion", "reach"), str(error), "make the reach shorter"
             ) from error
-    lines = [f"real other = object_{k}_distance(q, v, scene);"]
-    if _is_directed(text):
-        lines = [
-            f"surface s = object_{k}_surface(q, scene);",
-            "direction g = pull_covector(q, s.gradient);",
-            "real other = s.distance * rsqrt(dot_3(g, g));",
-        ]
-    lines.append("clear = SELECT(clear < other, clear, other);")
+    writer.clearances += 1 + len(seen)
+    lines = [
+        f"real other = object_{k}_clearance(q, v, scene);",
+        "clear = SELECT(clear < other, clear, other);",
+    ]
     if len(seen) == 0 or writer.lattice is None:
         return ["{", "  point q = p;", *(f"  {line}" for line in lines), "}"]
     seen = np.concatenate([identity(writer.lattice.geometry)[None], seen])

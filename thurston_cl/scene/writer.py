@@ -67,6 +67,9 @@ class Writer:
     switch: bool | None = None
     parts: set[str] = field(default_factory=set)
     asked: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
+    # Objects and images that a ray asks for their distance, and those that what shades by it asks.
+    distances: int = 0
+    clearances: int = 0
     lines: list[str] = field(default_factory=list)
     seen_from: list[Array] = field(default_factory=list)
     texels: Texels = field(default_factory=Texels)
