@@ -15,7 +15,8 @@ FN real inner(point p, vector a, vector b) { return dot_3(first_3(a), first_3(b)
 
 // What each geometry gives.
 FN point translate(point p, point q);
-FN point exponential(direction *u, real t, real tail);
+// Inlined or called, as each geometry defines it.
+static point exponential(direction *u, real t, real tail);
 SOLVER connection connect_points(point p, point q, point p_tail, point q_tail, int index);
 
 FN real distance_between(point p, point q, point p_tail, point q_tail, mask *unsolved)

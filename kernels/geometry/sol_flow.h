@@ -49,8 +49,9 @@ FN leg leg_of(direction u, invariants i, phase p)
 // 1 - c for a unit vector, without cancellation.
 FN real one_minus(real c, real across_square) { return SELECT(c > REAL(0), across_square / (REAL(1) + c), REAL(1) - c); }
 
-// The endpoint of the geodesic from 0 with direction *u after arc length t + tail; *u becomes the direction there.
-FN point exponential(direction *u, real t, real tail)
+// The endpoint of the geodesic from 0 with direction *u after arc length t + tail; *u becomes the direction there. Not inlined: programs
+// would compile a third longer, and rays are 2 to 5 % faster for it only.
+SOLVER point exponential(direction *u, real t, real tail)
 {
   real length = t + tail, time = fabs(length), back = copysign(REAL(1), length), zero = REAL(0);
   direction start = {fabs(u->x), fabs(u->y), back * u->z}, e = start;

@@ -3,11 +3,19 @@
 // The start is lifted off the surface by this many hit thresholds, so that the surface does not end the ray itself.
 #define SURFACE_LIFT 4
 
+// Not inlined: each kind of light and mirror begins with it, and a flow is long.
+SOLVER void lift_off(const shading *s, real height, ray *lifted)
+{
+  ray r = new_ray(s->p, push(s->p, s->normal));
+  flow(&r.p, &r.v, height);
+  r.cell = s->cell;
+  *lifted = r;
+}
+
 FN ray lifted_ray(shading s, scene_data scene)
 {
-  ray r = new_ray(s.p, push(s.p, s.normal));
-  flow(&r.p, &r.v, number(scene, HIT_THRESHOLD) * REAL(SURFACE_LIFT));
-  r.cell = s.cell;
+  ray r;
+  lift_off(&s, number(scene, HIT_THRESHOLD) * REAL(SURFACE_LIFT), &r);
   return r;
 }
 
