@@ -26,7 +26,15 @@ EFFECTS = {
 }
 
 # Files of light/ that several effects share, in order of pasting; phong.h comes before them.
-SUPPORT = ("light/point.h", "light/falloff_area.h", "light/lifted_ray.h", "light/shadow_ray.h", "light/fog.h")
+SUPPORT = (
+    "light/point.h",
+    "light/falloff_area.h",
+    "light/lifted_ray.h",
+    "light/shadow_ray.h",
+    "light/shadow_to_light.h",
+    "light/shadow_to_sun.h",
+    "light/fog.h",
+)
 
 # These follow the text of the scene's own light.
 AFTER_LIGHT = ("light/look.h", "light/reflection.h")

@@ -240,8 +240,6 @@ def _defines(writer: Writer) -> dict[str, str | int]:
     defines: dict[str, str | int] = {}
     if "light/reflection.h" in writer.parts:
         defines["REFLECTIONS"] = 1
-    if "light/shadow_ray.h" in writer.parts and "light/point.h" in writer.parts:
-        defines["POINT_SHADOWS"] = 1
     if needs_clearance(writer):
         defines["CLEARANCE"] = 1
     if "camera/fisheye.h" in writer.parts:

@@ -165,6 +165,7 @@ def _loop(writer: Writer, camera: CameraFrame, asked: _Asked, lights: Sequence[_
         if _skips(asked, lights):
             others, lamp = "others", f"(int)scene.numbers[{color + 3} + {size} * i]"
             lines += ["scene_data others = scene;", f"others.skipped = {lamp};"]
+        writer.parts.add("light/shadow_to_light.h")
         towards = "towards_light(s, &a, light, k, scene, done)"
         lines += _shadow(writer, asked.shadows, towards, others, count)
     lines += _seen(f"{color} + {size} * i")
@@ -196,6 +197,7 @@ def _sun(writer: Writer, light: schema.Light) -> list[str]:
     )
     lines = [f"arrival a = sun(s, three_numbers(scene, {place}), counted);"]
     if light.shadows is not None:
+        writer.parts.add("light/shadow_to_sun.h")
         lines += _shadow(writer, light.shadows, "towards_sun(s, &a, scene)", "scene", 1)
     return ["{", *(f"  {line}" for line in (*lines, *_seen(f"{place + 3}"))), "}"]
 

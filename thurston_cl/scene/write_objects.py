@@ -146,15 +146,19 @@ def _clearance(
     ]
     if len(seen) == 0 or writer.lattice is None:
         return ["{", "  point q = p;", *(f"  {line}" for line in lines), "}"]
-    seen = np.concatenate([identity(writer.lattice.geometry)[None], seen])
-    back = inverse(writer.lattice.geometry, seen)
+    back = _back(writer.lattice, seen)
     maps, rows = writer.numbers.add(back[:, :4].ravel()), 4 * back.shape[2]
     return [
-        f"for (int image = 0; image < {len(seen)}; image++) {{",
+        f"for (int image = 0; image < {len(back)}; image++) {{",
         f"  point q = apply(scene, {maps} + {rows} * image, p);",
         *(f"  {line}" for line in lines),
         "}",
     ]
+
+
+def _back(lattice: Lattice, seen: Array) -> Array:
+    """What leads back from an object and its images (M,n,n) to the object: (M+1,n,n), first the identity."""
+    return inverse(lattice.geometry, np.concatenate([identity(lattice.geometry)[None], seen]))
 
 
 def _take_nearer(k: int, solid: schema.Solid, seen_at: str = "p", own: str = "s") -> list[str]:
@@ -179,14 +183,13 @@ def _over_walls(
     """Distance and surface of object k and its images: the object itself, seen from the moved point. It takes
     part in the loop, so that its text is compiled once.
     """
-    seen = np.concatenate([identity(lattice.geometry)[None], seen])
-    back = inverse(lattice.geometry, seen)
+    back = _back(lattice, seen)
     turns = vector_map(lattice.geometry, back)
     rows = 4 * back.shape[2]
     maps = linear = writer.numbers.add(back[:, :4].ravel())
     if back.shape[2] != 4 or not np.array_equal(turns, back):
         linear = writer.numbers.add(turns.ravel())
-    loop = f"for (int image = 0; image < {len(seen)}; image++) {{"
+    loop = f"for (int image = 0; image < {len(back)}; image++) {{"
     moved = f"apply(scene, {maps} + {rows} * image, p)"
     turned = f"apply_linear(scene, {linear} + 16 * image, v)"
     distance = [
@@ -204,7 +207,7 @@ def _over_walls(
         *_take_nearer(k, solid, "there", "own"),
     ]
     if writer.cell_ids:
-        ways = [(), *paths(lattice, seen[1:])]
+        ways = [(), *paths(lattice, seen)]
         longest = max(len(way) for way in ways)
         place = writer.numbers.add(wall for way in ways for wall in (*way, *(-1,) * (longest - len(way))))
         surface += [
