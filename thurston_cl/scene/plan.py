@@ -194,6 +194,17 @@ def make_plan(
     )
 
 
+# The files of kernels/krs in the order in which they need each other, after those of the kernels themselves.
+_AFTER_KERNELS = ("kernels", "mirror", "sequence", "moebius_map", "moebius_sequence", "twist", "empty_zones")
+
+
+def _krs_order(parts: Collection[str]) -> list[str]:
+    """The files of kernel-reflection sequences among `parts`, in order."""
+    after = [f"krs/{name}.h" for name in _AFTER_KERNELS if f"krs/{name}.h" in parts]
+    kernels = sorted(part for part in parts if part.startswith("krs/") and part not in after)
+    return [*sorted(kernels, key=lambda part: part != "krs/bulge.h"), *after]
+
+
 def _camera_words(camera: schema.Camera) -> str:
     if camera.stereo is None:
         return camera.projection.kind
@@ -242,6 +253,8 @@ def _defines(writer: Writer) -> dict[str, str | int]:
         defines["REFLECTIONS"] = 1
     if needs_clearance(writer):
         defines["CLEARANCE"] = 1
+    if writer.sequences:
+        defines["PARTS"] = 1
     if "camera/fisheye.h" in writer.parts:
         defines["ROUND_PICTURE"] = 1
     if writer.lattice is not None:
@@ -264,6 +277,7 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         *geometry_parts(geometry),
         "scene_types.h",
         *under("shape"),
+        *_krs_order(parts),
         # What several patterns call comes first.
         *sorted(under("pattern"), key=lambda part: part != "pattern/color_in_turn.h"),
         "march.h",

@@ -16,6 +16,22 @@ from .base import Node, Problem, problem, shown
 from .camera import Camera, Dome, Equirectangular, Fisheye, Look, Perspective, Projection, Step, Stereo
 from .context import Context
 from .effects import AmbientOcclusion, Effects, ExponentialFog, Fog, LinearFog, Reflections
+from .krs import (
+    Kernel,
+    KernelArc,
+    KernelBall,
+    KernelCapsule,
+    KernelHalfSpace,
+    KernelLeaf,
+    Krs,
+    Level,
+    MapStep,
+    MapTurn,
+    Mirror,
+    MoebiusLevel,
+    Twist,
+    Zone,
+)
 from .lights import HardShadows, Light, PointLight, Shadows, SoftShadows, Sun, Within
 from .manifold import ManifoldValue, MatrixLattice, TorusBundle
 from .parse import Location
@@ -92,7 +108,7 @@ class Scene(Node):
         "include": "a scene is one file; 'thurston scenes' lists scenes to start from",
         "animation": "animations are not rendered yet",
         **dict.fromkeys(("environment", "sky"), "did you mean 'background'?"),
-        "krs": "kernel-reflection sequences are not rendered yet",
+        "krs": "a sequence is the shape of an object: write 'objects: [{krs: ...}]'",
         "object": "did you mean 'objects'?",
     }
 
@@ -236,12 +252,24 @@ __all__ = [
     "HardShadows",
     "Horoball",
     "ImageTexture",
+    "Kernel",
+    "KernelArc",
+    "KernelBall",
+    "KernelCapsule",
+    "KernelHalfSpace",
+    "KernelLeaf",
+    "Krs",
+    "Level",
     "Light",
     "LinearFog",
     "Look",
+    "MapStep",
+    "MapTurn",
     "Material",
     "MatrixLattice",
+    "Mirror",
     "ModelPoint",
+    "MoebiusLevel",
     "Object",
     "Output",
     "Pattern",
@@ -266,5 +294,7 @@ __all__ = [
     "Sun",
     "Tile",
     "TorusBundle",
+    "Twist",
     "Within",
+    "Zone",
 ]

@@ -10,6 +10,7 @@ from thurston_cl.models import FIBRED, PRODUCTS, TWISTED
 
 from .base import Node, Problem, problem, shown
 from .context import Context, context_of
+from .krs import Krs
 from .points import Point
 from .surfaces import Material, MaterialValue
 from .values import Angle, AtLeast, Color, Direction, Number, OneOrMore, Positive, Says
@@ -334,6 +335,7 @@ _SHAPES = (
     "tile",
     "pseudo-ball",
     "pseudo-cylinder",
+    "krs",
     "union",
     "intersection",
     "difference",
@@ -365,6 +367,10 @@ class Solid(Node):
     )
     pseudo_cylinder: PseudoCylinder | None = Field(
         default=None, alias="pseudo-cylinder", description="Nearly a cylinder; in sol only."
+    )
+    krs: Krs | None = Field(
+        default=None,
+        description="A kernel-reflection sequence: a tree, a coral, a forest; where there are mirrors.",
     )
     union: Annotated[tuple["Solid", ...], AtLeast(1)] | None = Field(
         default=None, description="What lies in any of these."
