@@ -12,7 +12,7 @@ from .base import Node, Problem, problem, shown
 from .context import Context, context_of
 from .krs_recipe import Recipe
 from .points import Point
-from .surfaces import OptionalMaterial
+from .surfaces import Material, OptionalMaterial
 from .values import Angle, AtLeast, Direction, Number, OneOrMore, Positive, Says, Vec3
 
 # Geometries with mirrors: totally geodesic planes across every direction, or across and along the fiber.
@@ -264,6 +264,14 @@ class Krs(Node):
         found = (getattr(self, self.keys()[key]) for key in self.one_of if key not in ("levels", "moebius"))
         return next((recipe for recipe in found if recipe is not None), None)
 
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """What its kernels are made of where that is not what the object is made of, each once."""
+        if self.recipe is not None:
+            return self.recipe.materials
+        named = (kernel.material for _, kernel in self._kernels() if kernel is not None)
+        return tuple(dict.fromkeys(material for material in named if material is not None))
+
     def check(self, context: Context) -> Iterator[Problem]:
         geometry = context.geometry
         if geometry is not None and geometry not in MIRRORED:
@@ -297,6 +305,7 @@ class Krs(Node):
     def _kernels(self) -> Iterator[tuple[tuple[str | int, ...], Kernel | None]]:
         """Where kernels are written, and they themselves."""
         yield ("kernel",), self.kernel
-        key = "levels" if self.levels is not None else "moebius"
-        for index, level in enumerate(self.levels or self.moebius or ()):
-            yield (key, index, "kernel"), level.kernel
+        for index, level in enumerate(self.levels or ()):
+            yield ("levels", index, "kernel"), level.kernel
+        for index, distorted in enumerate(self.moebius or ()):
+            yield ("moebius", index, "kernel"), distorted.kernel

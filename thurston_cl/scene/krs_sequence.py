@@ -86,25 +86,22 @@ def _painted(krs: Krs, name: str, points: _Points) -> Painted:
             sequence = sequence_of(recipe.record())
         kernels = tuple(dataclasses.replace(kernel, part=kernel.part + 1) for kernel in sequence.kernels)
         return Painted(dataclasses.replace(sequence, kernels=kernels), recipe.materials)
-    materials: list[Material] = []
 
     def made(kernel: Kernel | None) -> SequenceKernel:
-        part = 0
-        if kernel is not None and kernel.material is not None:
-            if kernel.material not in materials:
-                materials.append(kernel.material)
-            part = 1 + materials.index(kernel.material)
-        return EMPTY if kernel is None else _kernel(kernel, part, points)
+        if kernel is None:
+            return EMPTY
+        part = 0 if kernel.material is None else 1 + krs.materials.index(kernel.material)
+        return _kernel(kernel, part, points)
 
     if krs.moebius is not None:
         kernels = (made(krs.kernel), *(made(level.kernel) for level in krs.moebius))
         maps = tuple(_map(level.map) for level in krs.moebius)
         widths = tuple(level.smooth for level in krs.moebius)
-        return Painted(MoebiusSequence(maps, widths, kernels), tuple(materials))
+        return Painted(MoebiusSequence(maps, widths, kernels), krs.materials)
     levels = krs.levels or ()
     kernels = (made(krs.kernel), *(made(level.kernel) for level in levels))
     mirrors = tuple(_mirror(level.mirror, points) for level in levels)
-    return Painted(Sequence(name, mirrors, kernels), tuple(materials))
+    return Painted(Sequence(name, mirrors, kernels), krs.materials)
 
 
 def _mirror(mirror: Mirror, points: _Points) -> SequenceMirror:

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.geometry import for_few_points
+from thurston_cl.krs.sequence import MoebiusSequence, Sequence
+from thurston_cl.krs.words import in_short, level_by_level
 from thurston_cl.lattice import cell_table
 from thurston_cl.lattice.prism import Prism
 from thurston_cl.program import Source, geometry_parts
@@ -64,6 +66,7 @@ class Plan:
     near_walls: str
     object_images: int
     light_images: int
+    sequences: tuple[Sequence | MoebiusSequence, ...]
     asked: Mapping[str, float]
     image_digests: Mapping[str, str]
 
@@ -120,10 +123,15 @@ class Plan:
         named = [part.split("/")[1].removesuffix(".h") for part in self.parts if part.startswith("shape/")]
         objects = self.source.generated["scene objects"]
         shapes = [name.replace("_", " ") for name in named if f"{name}_surface(" in objects]
+        shapes += ["kernel-reflection sequences"] * bool(self.sequences)
         return {
             "geometry": self.scene.geometry,
             "space": quotient,
             "objects": f"{len(self.scene.objects)}, made of: {', '.join(shapes)}",
+            **{
+                f"sequence {k}": "\n".join([in_short(sequence), *level_by_level(sequence)])
+                for k, sequence in enumerate(self.sequences, start=1)
+            },
             "distance near walls": f"{self.near_walls}, {self.object_images} images of objects over walls",
             "lights": f"{len(self.scene.lights) or 'the default ones'}, {self.light_images} images in all",
             "called for": ", ".join(self.called_for) or "nothing beyond point lights",
@@ -189,6 +197,7 @@ def make_plan(
         writer.near_walls,
         object_images,
         light_images,
+        tuple(writer.sequences),
         writer.asked,
         writer.texels.digests,
     )

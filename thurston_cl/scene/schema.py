@@ -183,22 +183,30 @@ class Scene(Node):
 
     def check(self, context: Context) -> Iterator[Problem]:
         depth = None if self.effects.reflections is None else self.effects.reflections.depth
-        mirrors = [k for k, item in enumerate(self.objects) if item.material.reflectivity > 0]
+        mirrors = [
+            (k, material)
+            for k, item in enumerate(self.objects)
+            for material in item.materials
+            if material.reflectivity > 0
+        ]
         if mirrors and depth is None:
             message = "a material with reflectivity needs reflections, which this scene does not call for"
             help = "add 'effects: {reflections: {depth: 1}}', or leave reflectivity out"
-            yield Problem((*self._written_material(mirrors[0], context), "reflectivity"), message, help, True)
+            yield Problem(self._written_material(*mirrors[0], context), message, help, True)
         elif depth is not None and not mirrors:
             message = "no object has a material with reflectivity"
             help = "leave reflections out, or give a material 'reflectivity: 0.5'"
             yield Problem(("effects", "reflections"), message, help, True)
 
-    def _written_material(self, index: int, context: Context) -> Location:
-        """Where the material of an object is written: with it, or among the materials."""
+    def _written_material(self, index: int, material: Material, context: Context) -> Location:
+        """Where the reflectivity of a material of an object is written: with it, or among the materials;
+        or, of a part of the object, where that is.
+        """
         for name in context.names("materials"):
-            if context.entry("materials", name, Material) is self.objects[index].material:
-                return "materials", name
-        return "objects", index, "material"
+            if context.entry("materials", name, Material) is material:
+                return "materials", name, "reflectivity"
+        own = material is self.objects[index].material
+        return ("objects", index, "material", "reflectivity") if own else ("objects", index)
 
     def remember(self, source: SceneSource, lattice: "Lattice | None") -> None:
         """Keep what is known from loading; only the loader calls this."""

@@ -433,6 +433,21 @@ class Object(Solid):
     material: MaterialValue = Field(default=Material(), description="What the surface is made of.")
     name: str | None = Field(default=None, description="A name, for messages and statistics.")
 
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Its own material and those of its parts."""
+        return (self.material, *_parts(self))
+
+
+def _parts(solid: Solid) -> Iterator[Material]:
+    """What the kernels of sequences within a solid are made of."""
+    if isinstance(solid.shape, Krs):
+        yield from solid.shape.materials
+    members = solid.shape if isinstance(solid.shape, tuple) else (solid.shape,)
+    for member in members:
+        if isinstance(member, Solid):
+            yield from _parts(member)
+
 
 def lamp(at: Point, radius: float, light: Color) -> Object:
     """The ball that shows where a light stands: of its color, and as bright whatever falls on it."""
