@@ -2,7 +2,10 @@
 surface.
 """
 
+import warnings
+
 from thurston_cl.krs.program import sequence_parts
+from thurston_cl.krs.record import clipping_in_words
 from thurston_cl.scene.krs import Krs
 from thurston_cl.scene.krs_sequence import painted_sequence
 from thurston_cl.scene.surfaces import Material
@@ -16,6 +19,9 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
     """
     painted = painted_sequence(krs, writer.geometry)
     sequence, numbers = painted.sequence, writer.numbers
+    if krs.recipe is None and (told := clipping_in_words(sequence)):
+        # Recipes mean what their mirrors clip.
+        warnings.warn(f"sequence {len(writer.sequences) + 1}: {told}", stacklevel=2)
     writer.sequences.append(sequence)
     writer.parts |= set(sequence_parts(sequence.geometry, sequence.name, sequence.kinds))
     name = f"krs_{len(writer.sequences)}"
