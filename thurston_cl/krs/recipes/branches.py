@@ -1,17 +1,19 @@
-"""Walking one route of a branching plant: kernels and mirrors that tree, shrub, forest and coral share (paper, 9.2).
+"""Walking one route of a branching plant: what tree, shrub, forest and coral share (paper, 9.2).
 
-A plant is given by the branches along one route, from its foot to the end of a twig. At every fork stands a
-mirror, whose image of all that follows on the route is the other child. A random walk often makes a plant that
-reaches through its own mirrors, where it is cut off; so of many walks the best is taken.
+A plant is given by the branches along one route, from its foot to the end of a twig. At every fork stands
+a mirror, whose image of all that follows on the route is the other child. A random walk often makes a plant
+that reaches through its own mirrors, where it is cut off; so of many walks the best is taken.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from thurston_cl.krs.sequence import MOST_LEVELS
 
 Vector = NDArray[np.float64]
 Record = dict[str, Any]
@@ -22,7 +24,7 @@ WALKS = 150
 # So many of the outermost branches are laid out to judge a walk: 2^10 copies show where a crown goes.
 JUDGED_BRANCHES = 10
 # Sagitta of a branch, in its length times the tangent of half its turn: 0.5 would leave the fork exactly
-# along the branch before it, and look like a hose (krs.md, section 2).
+# along the branch before it, and look like a hose.
 SAGITTA = 0.35
 
 
@@ -48,7 +50,7 @@ class Mirror:
 class Habit:
     """How a plant grows; lengths in units of the scene, angles in radians."""
 
-    branches: int  # on the route, the first included
+    levels: int  # branches on the route, the first included
     spread: float  # half the angle of the first fork
     widen: float  # by how much that grows until the last fork
     lean: float  # about how far a mirror leans from the branch before it: this makes the children unequal
@@ -59,7 +61,7 @@ class Habit:
     radius: float  # of the first branch
     taper: float  # radius of a branch, in that of the one before it; the second has the root of this
     up: float  # how strongly the route bends upwards at each fork
-    upright: float  # how far the first mirrors are turned upright, from 0 to 1: what they double keeps its up
+    upright: float  # how far mirrors are turned upright, from 0 to 1, later ones less: their images keep up
     loose: float  # how random all this is, from 0 to 1
 
 
@@ -85,14 +87,21 @@ def across(direction: Vector, wanted: Vector) -> Vector:
 
 
 def branch(start: Vector, end: Vector, before: Vector, radius: float) -> Record:
-    """The toroidal capsule from fork to fork that sets out towards the unit direction of the branch before."""
+    """The toroidal capsule between two forks that sets out towards the unit direction of the branch before."""
     length = float(np.linalg.norm(end - start))
     chord = (end - start) / length
     outside = before - (before @ chord) * chord
     # For unit vectors sin / (1 + cos) is the tangent of half the angle.
     bulge = SAGITTA * length / (1 + float(before @ chord)) * outside
     middle = 0.5 * (start + end) + bulge
-    return {"type": "torcap", "p": start.tolist(), "q": end.tolist(), "m": middle.tolist(), "r": radius, "mat": 0}
+    return {
+        "type": "torcap",
+        "p": start.tolist(),
+        "q": end.tolist(),
+        "m": middle.tolist(),
+        "r": radius,
+        "mat": 0,
+    }
 
 
 def walk(rng: np.random.Generator, foot: Vector, along: Vector, habit: Habit) -> Route:
@@ -104,14 +113,16 @@ def walk(rng: np.random.Generator, foot: Vector, along: Vector, habit: Habit) ->
     forks: list[Vector] = [foot]
     mirrors: list[Mirror] = []
     kernels: list[Record] = []
-    for level in range(habit.branches):
+    for level in range(habit.levels):
         if level > 0:
-            fork, grown = forks[-1], (level - 1) / habit.branches
+            fork, grown = forks[-1], (level - 1) / habit.levels
             azimuth += habit.turn + habit.loose * rng.uniform(-1.4, 1.4)
             towards = math.cos(azimuth) * side + math.sin(azimuth) * np.cross(along, side)
             lean = habit.lean * rng.choice([-1, 1]) * (1 + habit.loose * rng.uniform(-1, 1))
             normal = math.cos(lean) * towards - math.sin(lean) * along
-            normal = unit(normal - habit.upright * (1 - grown) * normal[2] * UP)
+            # Not the first: a leaning mirror is what the eye finds last, since its halves are unequal.
+            if level > 1:
+                normal = unit(normal - habit.upright * (1 - grown) * normal[2] * UP)
             mirrors.append(Mirror.through(fork, normal))
             half = (habit.spread + habit.widen * grown) * (1 + 0.3 * habit.loose * rng.uniform(-1, 1))
             before = along
@@ -159,8 +170,8 @@ def best_walk(draw: Callable[[], Route], walls: Sequence[Mirror] = ()) -> Route:
 def faults(route: Route, walls: Sequence[Mirror] = ()) -> float:
     """How badly a plant has grown that stands on z = 0, judged by its outer branches; 0 is best.
 
-    The parts that are cut off by mirrors, also by the walls around the whole plant; that hang in the air; that
-    are in the ground; or low. And without walls, how far its middle is from above its foot."""
+    Counts the parts that are cut off by mirrors, also by walls around the whole plant; that hang in the air;
+    that are in the ground; and that are low. And without walls, how far its middle is from above its foot."""
     found = copies(route.forks[1 : JUDGED_BRANCHES + 1], route.mirrors[: JUDGED_BRANCHES - 1])
     lost = found.lost
     for wall in walls:
@@ -220,14 +231,29 @@ def foliage(
         # One behind the other along the twig, around its end, their stalks at the twig.
         stalk = route.forks[-1] + radius * (level - 0.5 * (levels - 1)) * along
         center = stalk + 1.05 * radius * reach
-        return {"type": "lens", "c": center.tolist(), "a": normal.tolist(), "b": radius, "h": 0.18 * radius, "mat": 1}
+        return {
+            "type": "lens",
+            "c": center.tolist(),
+            "a": normal.tolist(),
+            "b": radius,
+            "h": 0.18 * radius,
+            "mat": 1,
+        }
 
     return rosette(rng, route, levels, leaf)
 
 
-def record(mirrors: Iterable[Mirror], kernels: Iterable[Record]) -> Record:
-    """The record of a kernel-reflection sequence, from mirrors and kernels with the outermost first."""
+def record(mirrors: Sequence[Mirror], kernels: Sequence[Record], inside: Record | None = None) -> Record:
+    """The record of a kernel-reflection sequence, from mirrors and kernels with the outermost first; around
+    the record of another, each mirror then has its kernel.
+
+    ValueError for more than MOST_LEVELS mirrors."""
+    inner = inside or {"mirrors": [], "kernels": []}
+    levels = len(inner["mirrors"]) + len(mirrors)
+    if levels > MOST_LEVELS:
+        raise ValueError(f"a plant of {levels} mirrors; expected at most {MOST_LEVELS}")
+    outer = [{"u": mirror.normal.tolist(), "w": mirror.offset} for mirror in reversed(mirrors)]
     return {
-        "mirrors": [{"u": mirror.normal.tolist(), "w": mirror.offset} for mirror in mirrors][::-1],
-        "kernels": list(kernels)[::-1],
+        "mirrors": inner["mirrors"] + outer,
+        "kernels": inner["kernels"] + [dict(kernel) for kernel in reversed(kernels)],
     }

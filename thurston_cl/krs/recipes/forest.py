@@ -1,15 +1,22 @@
-"""A forest: a tree doubled by upright mirrors further and further out (paper, 9.2)."""
+"""A forest: one tree, doubled by upright mirrors further and further out (paper, 9.2)."""
 
 import math
 from typing import Any
 
 import numpy as np
 
-from .branches import Mirror, Record, Vector, unit
+from .branches import Mirror, Record, Vector, record, unit
 from .tree import tree
 
-# So many trees are enough to see where their edge is.
-MOST_TREES = 4096
+# The land of a tree is known by so many points a side, and that of the forest by so many of their images.
+_POINTS = 12
+_MOST_POINTS = 8192
+# Where land ends is found to this part of the spacing.
+_ROW = 0.25
+# The tree stands up to this part of the spacing off the middle of its land: so trees come in pairs, not rows.
+_ASIDE = 0.1
+# From one mirror to the next the land is larger, and less scatter makes as large a clearing.
+_CALMER = 0.7
 
 
 def forest(
@@ -20,48 +27,53 @@ def forest(
     roll: float = math.radians(1.2),
     ground: bool = True,
     seed: int = 0,
-    **tree_parameters: Any,
+    **of_tree: Any,
 ) -> Record:
-    """The record of a forest of 2^doublings trees around the origin.
+    """The record of a forest of up to 2^doublings trees, one of them at the origin.
 
     doublings  how often the trees are doubled; at least 1
-    spacing    about how far a tree is from the next; crowns that are wider are cut where they meet
-    scatter    by how much mirrors are turned off a square lattice, radians, at random and at most
-    roll       about how much mirrors lean from upright, radians: so the ground rolls, in valleys and ridges
-    ground     whether there is a ground; without it, all trees stand on z = 0 and `roll` is left out
+    spacing    about how far it is from one tree to the next; wider crowns are cut off where they meet
+    scatter    by how much the first mirror is at most turned out of a square lattice, radians; each later one
+               by 0.7 of that
+    roll       about how much mirrors lean from upright, radians; so the ground rolls in ridges and valleys
+    ground     whether there is ground; if not, all trees stand on z = 0 and `roll` is not used
     seed       of the random numbers, also of the tree
 
-    Every other parameter is one of `tree`. Lengths are in units of the scene. "mat" is 0 for bark, 1 for
-    leaves and 2 for the ground. The levels are those of the tree and the doublings; the trees between two
-    that are mirror images are better of another forest, in one union with this."""
-    planted = tree(seed=seed, **tree_parameters)
+    Everything else is a parameter of `tree`. Lengths are in units of the scene. "mat" is 0 for bark, 1 for
+    leaves and 2 for ground. The record has as many mirrors as the tree and `doublings`; ValueError if that is
+    too many. One forest shows its mirrors. A union of a few, of other seeds and spacings, hides them."""
     rng = np.random.default_rng([seed, 1])
-    steps = spacing * (np.arange(12) - 5.5) / 12
-    land = np.stack(np.broadcast_arrays(steps[:, np.newaxis], steps, 0.0), axis=-1).reshape(-1, 3)
-    land = land + 0.1 * spacing * rng.uniform(-1, 1, 3) * (1, 1, 0)
+    land = _cell(spacing) + _ASIDE * spacing * rng.uniform(-1, 1, 3) * (1, 1, 0)
     mirrors: list[Mirror] = []
     for level in range(doublings):
-        azimuth = level * math.pi / 2 + scatter * rng.uniform(-1, 1) * 0.7 ** level
-        # The first mirror is upright, since the ground is in one piece below the first two trees.
+        azimuth = level * math.pi / 2 + _CALMER**level * scatter * rng.uniform(-1, 1)
+        # The first mirror is upright: the kernel of its level is the ground, in one piece, below two trees.
         lean = roll * rng.normal() if ground and level > 0 else 0.0
         normal = unit(np.array([math.cos(azimuth), math.sin(azimuth), math.sin(lean)]))
-        mirror = Mirror(normal, _edge(land @ normal, spacing))
+        mirror = Mirror(normal, _edge(land @ normal, _ROW * spacing))
         mirrors.append(mirror)
         land = land[land @ normal <= mirror.offset]
         land = np.concatenate([land, mirror.image(land)])
-        if len(land) > 8192: land = rng.permutation(land)[:8192]
-    empty: Record = {"type": "empty"}
-    soil: Record = {"type": "plane", "n": [0.0, 0.0, 1.0], "h": 0.0, "mat": 2}
-    return {
-        "mirrors": planted["mirrors"] + [{"u": m.normal.tolist(), "w": m.offset} for m in mirrors],
-        "kernels": [*planted["kernels"], soil if ground else empty, *[empty] * (doublings - 1)],
-    }
+        if len(land) > _MOST_POINTS:
+            land = rng.permutation(land)[:_MOST_POINTS]
+    soil: Record = (
+        {"type": "plane", "n": [0.0, 0.0, 1.0], "h": 0.0, "mat": 2} if ground else {"type": "empty"}
+    )
+    around: list[Record] = [{"type": "empty"}] * (doublings - 1)
+    return record(mirrors[::-1], [*around, soil], inside=tree(seed=seed, **of_tree))
 
 
-def _edge(heights: Vector, spacing: float) -> float:
-    """Where to put a mirror across land with points at these heights above it: where half a row of it is left. A
-    mirror further out would leave clearings along its ragged edge, one further in would cut off trees."""
-    rows = np.floor((heights.max() - heights) / (0.25 * spacing)).astype(int)
-    counts = np.bincount(rows)
-    row = int(np.argmax(counts >= 0.5 * np.median(counts)))
-    return float(heights.max()) - 0.25 * spacing * row
+def _cell(side: float) -> Vector:
+    """Points of a square of the ground around the origin."""
+    steps = side * ((np.arange(_POINTS) + 0.5) / _POINTS - 0.5)
+    x, y = np.meshgrid(steps, steps)
+    return np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3)
+
+
+def _edge(heights: Vector, row: float) -> float:
+    """Where a mirror across land stands, of points at these heights above it: where half a row is left of it.
+
+    Further out it would double the clearings along a ragged edge, further in it would cut off trees."""
+    highest = float(heights.max())
+    counts = np.bincount(((highest - heights) / row).astype(int))
+    return highest - row * int(np.argmax(counts >= 0.5 * np.median(counts)))
