@@ -87,7 +87,7 @@ def across(direction: Vector, wanted: Vector) -> Vector:
 
 
 def branch(start: Vector, end: Vector, before: Vector, radius: float) -> Record:
-    """The toroidal capsule between two forks that sets out towards the unit direction of the branch before."""
+    """The toroidal capsule between two forks that sets out along the branch `before`, a unit vector."""
     length = float(np.linalg.norm(end - start))
     chord = (end - start) / length
     outside = before - (before @ chord) * chord
