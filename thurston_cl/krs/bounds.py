@@ -65,6 +65,12 @@ class Balls:
             return 0.0
         return float(np.max(np.linalg.norm(self.centers - point, axis=1) + self.radii))
 
+    def reach_about_axis(self) -> float:
+        """How far the farthest of them is from the z-axis."""
+        if len(self.radii) == 0:
+            return 0.0
+        return float(np.max(np.linalg.norm(self.centers[:, :2], axis=1) + self.radii))
+
     def _merged(self) -> "Balls":
         balls = self
         while len(balls.radii) > MOST_BALLS:

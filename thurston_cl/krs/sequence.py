@@ -117,6 +117,11 @@ class Sequence(_Levels):
             return self._balls.reach(np.zeros(3))
         return self._curved_radius()
 
+    @property
+    def radius_about_axis(self) -> float:
+        """How far it reaches from the z-axis of e3 at most."""
+        return self._balls.reach_about_axis() if self.bounded else math.inf
+
     @cached_property
     def _balls(self) -> Balls:
         balls = Balls.none().with_ball(self.kernels[0].ball)
@@ -213,6 +218,11 @@ class MoebiusSequence(_Levels):
         """How far it reaches from the origin at most."""
         return self._balls[-1].reach(np.zeros(3))
 
+    @property
+    def radius_about_axis(self) -> float:
+        """How far it reaches from the z-axis at most."""
+        return self._balls[-1].reach_about_axis()
+
     @cached_property
     def _balls(self) -> list[Balls]:
         """What holds L_0, ..., L_n."""
@@ -227,7 +237,9 @@ class MoebiusSequence(_Levels):
         return [balls.enclosing() for balls in self._balls]
 
     def clipped(self) -> list[tuple[int, float]]:
-        """Kernels that reach beyond their own mirror; here only K_0 stands in the same space as its mirror."""
+        """Kernels that reach beyond their own mirror; here only K_0 stands in the same space as its
+        mirror.
+        """
         if self.levels == 0 or self.kernels[0].is_empty:
             return []
         beyond = self.kernels[0].reach(np.array([1.0, 0.0, 0.0]))
