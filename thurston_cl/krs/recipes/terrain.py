@@ -46,7 +46,7 @@ def terrain(
     up = np.array([0.0, 0.0, 1.0])
     points = np.column_stack([random.uniform(-0.5, 0.5, (_SAMPLES, 2)), np.zeros(_SAMPLES)])
     ups = np.tile(up, (_SAMPLES, 1))  # which way was up in the world, at each folded point
-    sign, folds = 1.0, []
+    sign, mirrors, widths = 1.0, [], []
     for i in range(levels):
         axis = longest_axis(points, up)
         if ripples:
@@ -68,16 +68,17 @@ def terrain(
             normal = across
         ups = _turned(points, ups, normal, offset)
         points = fold(points, normal, offset)
-        folds.append((normal, offset, 0.1 * smooth * float(along.std())))
+        mirrors.append((normal, offset))
+        widths.append(0.1 * smooth * float(along.std()))
         sign = -sign
     if ripples:
         # A quarter of the way from crest to crest, at every crest, makes a wave of a zigzag.
         quarter = np.subtract(*np.quantile(points @ facing, (0.75, 0.25)))
-        crest = smooth * float(quarter)
-        folds = [(normal, offset, crest) for normal, offset, _ in folds]
+        widths = [smooth * float(quarter)] * levels
     normal = tilted(up, facing, slope)
     height = size * float((points @ normal).mean())
-    return sequence(folds, {0: {"type": "plane", "n": normal.tolist(), "h": height, "mat": 0}}, size)
+    plane = {"type": "plane", "n": normal.tolist(), "h": height, "mat": 0}
+    return sequence(mirrors, {0: plane}, size, widths)
 
 
 def seabed(
