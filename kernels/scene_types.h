@@ -19,13 +19,24 @@ typedef struct {
 
 FN real number(scene_data scene, int k) { return REAL(scene.numbers[k]); }
 
-// A surface near a point: signed distance, its gradient (a covector in the coordinates of the point) and two coordinates on it.
-typedef struct { real distance; covector gradient; real u, v; } surface;
+// A surface near a point: signed distance, its gradient (a covector in the coordinates of the point), two coordinates on it, and
+// where objects have parts of different materials which part it belongs to.
+typedef struct {
+  real distance;
+  covector gradient;
+  real u, v;
+#ifdef PARTS
+  real part;
+#endif
+} surface;
 
 FN surface nearer_of(surface a, surface b, mask take_a)
 {
   surface s = {SELECT(take_a, a.distance, b.distance), select_4(take_a, a.gradient, b.gradient),
                SELECT(take_a, a.u, b.u), SELECT(take_a, a.v, b.v)};
+#ifdef PARTS
+  s.part = SELECT(take_a, a.part, b.part);
+#endif
   return s;
 }
 FN surface union_of(surface a, surface b) { return nearer_of(a, b, a.distance < b.distance); }

@@ -10,7 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from thurston_cl import special
+    from thurston_cl import krs, special
     from thurston_cl.errors import NoDeviceError, SceneError, ThurstonError
     from thurston_cl.geometry import Geometry
     from thurston_cl.image import Image
@@ -35,6 +35,7 @@ __all__ = [
     "NoDeviceError",
     "SceneError",
     "ThurstonError",
+    "krs",
     "load_scene",
     "render",
     "special",
@@ -46,8 +47,8 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("thurston_cl")
-    if name == "special":
-        return importlib.import_module("thurston_cl.special")
+    if name in ("krs", "special"):
+        return importlib.import_module(f"thurston_cl.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'thurston_cl' has no attribute {name!r}")
     return getattr(importlib.import_module(f"thurston_cl.{_HOME[name]}"), name)

@@ -10,6 +10,8 @@ from thurston_cl import device as devices
 from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, Source, build_widest
 
 if TYPE_CHECKING:
+    import pyopencl as cl
+
     from thurston_cl.device import Device
 
 Array = NDArray[np.float64]
@@ -51,8 +53,17 @@ class ArrayProgram:
         """`values` (N,) as columns for `run`: themselves and their tail."""
         return [values[:, None], self.tail(values)[:, None]]
 
-    def run(self, name: str, arrays: Sequence[Array], outputs: int, *constants: int) -> Array:
-        """Run a kernel over the concatenated components of `arrays`; returns (N, outputs)."""
+    def run(
+        self,
+        name: str,
+        arrays: Sequence[Array],
+        outputs: int,
+        *constants: int,
+        numbers: ArrayLike | None = None,
+    ) -> Array:
+        """Run a kernel over the concatenated components of `arrays`; returns (N, outputs). `numbers`: the
+        constant buffer of kernels that take one.
+        """
         import pyopencl as cl
 
         count = arrays[0].shape[0]
@@ -68,10 +79,17 @@ class ArrayProgram:
         result = np.empty((outputs, stride), self.dtype)
         target = cl.Buffer(self.device.context, flags.WRITE_ONLY, result.nbytes)
         kernel = cl.Kernel(self._built, name)
-        kernel.set_args(source, target, np.int32(stride), *(np.int32(c) for c in constants))
+        tables = [] if numbers is None else [self._constant(numbers)]
+        kernel.set_args(source, target, np.int32(stride), *tables, *(np.int32(c) for c in constants))
         cl.enqueue_nd_range_kernel(self.device.queue, kernel, (stride // self.lanes,), (LOCAL_SIZE,))
         cl.enqueue_copy(self.device.queue, result, target)
         return result[:, :count].T.astype(np.float64)
+
+    def _constant(self, numbers: ArrayLike) -> "cl.Buffer":
+        import pyopencl as cl
+
+        flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
+        return cl.Buffer(self.device.context, flags, hostbuf=np.asarray(numbers, self.dtype))
 
 
 def expect(good: NDArray[np.bool_], what: str, values: Array, expected: str) -> None:

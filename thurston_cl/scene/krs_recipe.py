@@ -1,4 +1,6 @@
-"""What every recipe of a kernel-reflection sequence has: words for its parameters, and the model they give."""
+"""What every recipe of a kernel-reflection sequence has: words for its parameters, and the model they
+give.
+"""
 
 from collections.abc import Mapping
 from typing import Any, ClassVar

@@ -11,6 +11,7 @@ from thurston_cl.lattice.isometry import SAME_DIGITS, act, compose, fibre, inver
 from thurston_cl.lattice.suspension import Suspension
 from thurston_cl.models import FIBRED, PRODUCTS, TWISTED
 from thurston_cl.scene import schema
+from thurston_cl.scene.krs_sequence import painted_sequence
 from thurston_cl.scene.placement import Placement
 
 Array = NDArray[np.float64]
@@ -230,6 +231,11 @@ def bounds_of(solid: schema.Solid, outer: Array, place: Placement) -> list[_Boun
             return [_Bound(act(geometry, frame, origin(geometry)), radius, False)]
         case "cylinder" if geometry in FIBRED and solid.shape.along[2] != 0:
             return [_Bound(act(geometry, frame, origin(geometry)), solid.shape.radius, True)]
+        case "krs":
+            radius = painted_sequence(solid.shape, place.geometry).sequence.radius
+            if not np.isfinite(radius):
+                return None
+            return [_Bound(act(geometry, frame, origin(geometry)), radius, False)]
         case "union":
             members = [bounds_of(member, frame, place) for member in solid.shape]
             if None in members:

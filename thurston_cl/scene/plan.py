@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.geometry import for_few_points
+from thurston_cl.krs.sequence import MoebiusSequence, Sequence
+from thurston_cl.krs.words import in_short, level_by_level
 from thurston_cl.lattice import cell_table
 from thurston_cl.lattice.prism import Prism
 from thurston_cl.program import Source, geometry_parts
@@ -64,6 +66,7 @@ class Plan:
     near_walls: str
     object_images: int
     light_images: int
+    sequences: tuple[Sequence | MoebiusSequence, ...]
     asked: Mapping[str, float]
     image_digests: Mapping[str, str]
 
@@ -120,10 +123,15 @@ class Plan:
         named = [part.split("/")[1].removesuffix(".h") for part in self.parts if part.startswith("shape/")]
         objects = self.source.generated["scene objects"]
         shapes = [name.replace("_", " ") for name in named if f"{name}_surface(" in objects]
+        shapes += ["kernel-reflection sequences"] * bool(self.sequences)
         return {
             "geometry": self.scene.geometry,
             "space": quotient,
             "objects": f"{len(self.scene.objects)}, made of: {', '.join(shapes)}",
+            **{
+                f"sequence {k}": "\n".join([in_short(sequence), *level_by_level(sequence)])
+                for k, sequence in enumerate(self.sequences, start=1)
+            },
             "distance near walls": f"{self.near_walls}, {self.object_images} images of objects over walls",
             "lights": f"{len(self.scene.lights) or 'the default ones'}, {self.light_images} images in all",
             "called for": ", ".join(self.called_for) or "nothing beyond point lights",
@@ -189,9 +197,21 @@ def make_plan(
         writer.near_walls,
         object_images,
         light_images,
+        tuple(writer.sequences),
         writer.asked,
         writer.texels.digests,
     )
+
+
+# The files of kernels/krs in the order in which they need each other, after those of the kernels themselves.
+_AFTER_KERNELS = ("kernels", "mirror", "sequence", "moebius_map", "moebius_sequence", "twist", "empty_zones")
+
+
+def _krs_order(parts: Collection[str]) -> list[str]:
+    """The files of kernel-reflection sequences among `parts`, in order."""
+    after = [f"krs/{name}.h" for name in _AFTER_KERNELS if f"krs/{name}.h" in parts]
+    kernels = sorted(part for part in parts if part.startswith("krs/") and part not in after)
+    return [*sorted(kernels, key=lambda part: part != "krs/bulge.h"), *after]
 
 
 def _camera_words(camera: schema.Camera) -> str:
@@ -242,6 +262,8 @@ def _defines(writer: Writer) -> dict[str, str | int]:
         defines["REFLECTIONS"] = 1
     if needs_clearance(writer):
         defines["CLEARANCE"] = 1
+    if writer.sequences:
+        defines["PARTS"] = 1
     if "camera/fisheye.h" in writer.parts:
         defines["ROUND_PICTURE"] = 1
     if writer.lattice is not None:
@@ -264,6 +286,7 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         *geometry_parts(geometry),
         "scene_types.h",
         *under("shape"),
+        *_krs_order(parts),
         # What several patterns call comes first.
         *sorted(under("pattern"), key=lambda part: part != "pattern/color_in_turn.h"),
         "march.h",

@@ -16,6 +16,22 @@ from .base import Node, Problem, problem, shown
 from .camera import Camera, Dome, Equirectangular, Fisheye, Look, Perspective, Projection, Step, Stereo
 from .context import Context
 from .effects import AmbientOcclusion, Effects, ExponentialFog, Fog, LinearFog, Reflections
+from .krs import (
+    Kernel,
+    KernelArc,
+    KernelBall,
+    KernelCapsule,
+    KernelHalfSpace,
+    KernelLeaf,
+    Krs,
+    Level,
+    MapStep,
+    MapTurn,
+    Mirror,
+    MoebiusLevel,
+    Twist,
+    Zone,
+)
 from .lights import HardShadows, Light, PointLight, Shadows, SoftShadows, Sun, Within
 from .manifold import ManifoldValue, MatrixLattice, TorusBundle
 from .parse import Location
@@ -92,7 +108,7 @@ class Scene(Node):
         "include": "a scene is one file; 'thurston scenes' lists scenes to start from",
         "animation": "animations are not rendered yet",
         **dict.fromkeys(("environment", "sky"), "did you mean 'background'?"),
-        "krs": "kernel-reflection sequences are not rendered yet",
+        "krs": "a sequence is the shape of an object: write 'objects: [{krs: ...}]'",
         "object": "did you mean 'objects'?",
     }
 
@@ -167,22 +183,30 @@ class Scene(Node):
 
     def check(self, context: Context) -> Iterator[Problem]:
         depth = None if self.effects.reflections is None else self.effects.reflections.depth
-        mirrors = [k for k, item in enumerate(self.objects) if item.material.reflectivity > 0]
+        mirrors = [
+            (k, material)
+            for k, item in enumerate(self.objects)
+            for material in item.materials
+            if material.reflectivity > 0
+        ]
         if mirrors and depth is None:
             message = "a material with reflectivity needs reflections, which this scene does not call for"
             help = "add 'effects: {reflections: {depth: 1}}', or leave reflectivity out"
-            yield Problem((*self._written_material(mirrors[0], context), "reflectivity"), message, help, True)
+            yield Problem(self._written_material(*mirrors[0], context), message, help, True)
         elif depth is not None and not mirrors:
             message = "no object has a material with reflectivity"
             help = "leave reflections out, or give a material 'reflectivity: 0.5'"
             yield Problem(("effects", "reflections"), message, help, True)
 
-    def _written_material(self, index: int, context: Context) -> Location:
-        """Where the material of an object is written: with it, or among the materials."""
+    def _written_material(self, index: int, material: Material, context: Context) -> Location:
+        """Where the reflectivity of a material of an object is written: with it, or among the materials;
+        or, of a part of the object, where that is.
+        """
         for name in context.names("materials"):
-            if context.entry("materials", name, Material) is self.objects[index].material:
-                return "materials", name
-        return "objects", index, "material"
+            if context.entry("materials", name, Material) is material:
+                return "materials", name, "reflectivity"
+        own = material is self.objects[index].material
+        return ("objects", index, "material", "reflectivity") if own else ("objects", index)
 
     def remember(self, source: SceneSource, lattice: "Lattice | None") -> None:
         """Keep what is known from loading; only the loader calls this."""
@@ -236,12 +260,24 @@ __all__ = [
     "HardShadows",
     "Horoball",
     "ImageTexture",
+    "Kernel",
+    "KernelArc",
+    "KernelBall",
+    "KernelCapsule",
+    "KernelHalfSpace",
+    "KernelLeaf",
+    "Krs",
+    "Level",
     "Light",
     "LinearFog",
     "Look",
+    "MapStep",
+    "MapTurn",
     "Material",
     "MatrixLattice",
+    "Mirror",
     "ModelPoint",
+    "MoebiusLevel",
     "Object",
     "Output",
     "Pattern",
@@ -266,5 +302,7 @@ __all__ = [
     "Sun",
     "Tile",
     "TorusBundle",
+    "Twist",
     "Within",
+    "Zone",
 ]

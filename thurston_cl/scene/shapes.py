@@ -10,6 +10,7 @@ from thurston_cl.models import FIBRED, PRODUCTS, TWISTED
 
 from .base import Node, Problem, problem, shown
 from .context import Context, context_of
+from .krs import Krs
 from .points import Point
 from .surfaces import Material, MaterialValue
 from .values import Angle, AtLeast, Color, Direction, Number, OneOrMore, Positive, Says
@@ -334,6 +335,7 @@ _SHAPES = (
     "tile",
     "pseudo-ball",
     "pseudo-cylinder",
+    "krs",
     "union",
     "intersection",
     "difference",
@@ -365,6 +367,10 @@ class Solid(Node):
     )
     pseudo_cylinder: PseudoCylinder | None = Field(
         default=None, alias="pseudo-cylinder", description="Nearly a cylinder; in sol only."
+    )
+    krs: Krs | None = Field(
+        default=None,
+        description="A kernel-reflection sequence: a tree, a coral, a forest; where there are mirrors.",
     )
     union: Annotated[tuple["Solid", ...], AtLeast(1)] | None = Field(
         default=None, description="What lies in any of these."
@@ -426,6 +432,21 @@ class Object(Solid):
 
     material: MaterialValue = Field(default=Material(), description="What the surface is made of.")
     name: str | None = Field(default=None, description="A name, for messages and statistics.")
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Its own material and those of its parts."""
+        return (self.material, *_parts(self))
+
+
+def _parts(solid: Solid) -> Iterator[Material]:
+    """What the kernels of sequences within a solid are made of."""
+    if isinstance(solid.shape, Krs):
+        yield from solid.shape.materials
+    members = solid.shape if isinstance(solid.shape, tuple) else (solid.shape,)
+    for member in members:
+        if isinstance(member, Solid):
+            yield from _parts(member)
 
 
 def lamp(at: Point, radius: float, light: Color) -> Object:

@@ -300,3 +300,11 @@ MaterialValue = Annotated[
     Also(({"type": "string", "pattern": f"{NAME_PATTERN}|{PARAM_PATTERN}"},)),
     Says("name of a material, or the [material](#material) itself"),
 ]
+
+# The same where it may be left out.
+OptionalMaterial = Annotated[
+    Material | None,
+    BeforeValidator(_material),
+    Also(({"type": "string", "pattern": f"{NAME_PATTERN}|{PARAM_PATTERN}"},)),
+    Says("name of a material, or the [material](#material) itself"),
+]

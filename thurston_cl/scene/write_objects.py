@@ -23,6 +23,7 @@ from thurston_cl.scene.near_walls import balls_over_walls, bounds_of, images, is
 from thurston_cl.scene.numbers import Numbers, components, homogeneous
 from thurston_cl.scene.placement import X_AXIS, Z_AXIS
 from thurston_cl.scene.texels import MOST_LEVELS
+from thurston_cl.scene.write_krs import write_krs
 from thurston_cl.scene.writer import DIRECTED, Writer
 
 Array = NDArray[np.float64]
@@ -68,10 +69,9 @@ def write_objects(writer: Writer) -> int:
             # Of an image it is asked for at three points.
             called=_image_of(solid) is not None,
         )
-        material = _material(solid.material, writer, "s")
         writer.function(
             f"material object_{k}_material(surface s, scene_data scene)",
-            [f"material m = {material};", "return m;"],
+            _materials(writer, [solid.material, *text.materials]),
         )
         count += len(seen)
         if writer.lattice is not None and len(seen):
@@ -126,7 +126,7 @@ def _clearance(
     its images as far as ambient occlusion looks.
     """
     distance = text.distance
-    for shape in DIRECTED:
+    for shape in writer.directed_shapes:
         distance = distance.replace(f"{shape}_distance(", f"{shape}_clearance(")
     writer.function(
         f"real object_{k}_clearance(point p, vector v, scene_data scene)", [f"return {distance};"]
@@ -267,6 +267,8 @@ class _SolidText:
         self._near_walls, self._hollow = writer.near_walls, is_hollow(solid, self._geometry)
         self._count = 0
         self.lines: list[str] = []
+        # What parts of it are made of, the first of them part 1.
+        self.materials: list[schema.Material] = []
         self.distance, self.name = self._solid(solid, outer)
 
     def _solid(self, solid: schema.Solid, outer: Array) -> tuple[str, str]:
@@ -302,6 +304,8 @@ class _SolidText:
                 front = self._half_space(shape.normal, half, frame)
                 rear = self._half_space(back, half, frame)
                 return f"fmax({front[0]}, {rear[0]})", self._let(f"intersection_of({front[1]}, {rear[1]})")
+            case "krs":
+                return self._krs(shape, frame)
             case "horoball":
                 turned = frame @ self._place.turn(Z_AXIS, shape.towards)
                 return self._leaf("horoball", turned, self._numbers.term(shape.distance))
@@ -426,19 +430,31 @@ class _SolidText:
     def _leaf(self, shape: str, frame: Array, *arguments: str) -> tuple[str, str]:
         """One shape about the origin of its own coordinates; `frame` carries these into the cell."""
         self._writer.add_shape(shape)
+        return self._placed(shape, frame, arguments, along_ray=shape in DIRECTED)
+
+    def _krs(self, krs: schema.Krs, frame: Array) -> tuple[str, str]:
+        """A kernel-reflection sequence, which has functions of its own."""
+        name, materials = write_krs(self._writer, krs, 1 + len(self.materials))
+        self.materials += materials
+        return self._placed(name, frame, ("scene",), along_ray=True)
+
+    def _placed(
+        self, shape: str, frame: Array, arguments: Sequence[str], *, along_ray: bool
+    ) -> tuple[str, str]:
+        """What functions give that take a point, and where they go `along_ray` its vector, in a frame."""
         matrix = snap(inverse(self._geometry, frame))
         point, vector, pulled = "p", "v", None
         if not np.array_equal(matrix, identity(self._geometry)):
             self._count += 1
             point = self._moved(matrix)
             pulled = snap(vector_map(self._geometry, matrix))
-            vector = f"(vector){self._numbers.rows(pulled, components('v'))}" if shape in DIRECTED else ""
+            vector = f"(vector){self._numbers.rows(pulled, components('v'))}" if along_ray else ""
         tail = "".join(f", {argument}" for argument in arguments)
         name = self._let(f"{shape}_surface({point}{tail})")
         if pulled is not None and not np.array_equal(pulled, np.eye(4)):
             gradient = self._numbers.rows(pulled.T, components(f"{name}.gradient"))
             self.lines.append(f"{name}.gradient = (covector){gradient};")
-        return f"{shape}_distance({point}{f', {vector}' if shape in DIRECTED else ''}{tail})", name
+        return f"{shape}_distance({point}{f', {vector}' if along_ray else ''}{tail})", name
 
     def _moved(self, matrix: Array) -> str:
         """The text of the point p moved by an isometry (n,n)."""
@@ -561,6 +577,19 @@ def _paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[
     grid = paint.grid
     place = numbers.add([*grid.count, grid.width, *grid.colors[0].linear, *grid.colors[1].linear])
     return f"grid({surface}, scene, {place})"
+
+
+def _materials(writer: Writer, materials: Sequence[schema.Material]) -> list[str]:
+    """Lines that give the material of a surface: the first, or that of the part it belongs to."""
+    lines = [f"material m = {_material(materials[0], writer, 's')};"]
+    for part, material in enumerate(materials[1:], start=1):
+        lines += [
+            f"if (ANY(s.part == REAL({part}))) {{",
+            f"  material of_part = {_material(material, writer, 's')};",
+            f"  m = select_material(s.part == REAL({part}), of_part, m);",
+            "}",
+        ]
+    return [*lines, "return m;"]
 
 
 def _material(material: schema.Material, writer: Writer, surface: str) -> str:

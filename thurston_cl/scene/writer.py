@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,9 @@ from thurston_cl.scene import schema
 from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import Placement
 from thurston_cl.scene.texels import Texels
+
+if TYPE_CHECKING:
+    from thurston_cl.krs.sequence import MoebiusSequence, Sequence
 
 Array = NDArray[np.float64]
 
@@ -72,6 +76,9 @@ class Writer:
     clearances: int = 0
     lines: list[str] = field(default_factory=list)
     seen_from: list[Array] = field(default_factory=list)
+    sequences: "list[Sequence | MoebiusSequence]" = field(default_factory=list)
+    # Names of sequences whose distance holds along the ray alone.
+    along_rays: list[str] = field(default_factory=list)
     texels: Texels = field(default_factory=Texels)
 
     @property
@@ -87,7 +94,12 @@ class Writer:
     @property
     def directed(self) -> bool:
         """Whether the distance of some shape holds along the ray alone."""
-        return any(f"shape/{shape}.h" in self.parts for shape in DIRECTED)
+        return bool(self.directed_shapes)
+
+    @property
+    def directed_shapes(self) -> list[str]:
+        """Those shapes."""
+        return [shape for shape in DIRECTED if f"shape/{shape}.h" in self.parts] + self.along_rays
 
     @property
     def creeping(self) -> bool:

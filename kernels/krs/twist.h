@@ -1,0 +1,27 @@
+// twist.h - a sequence twisted about its z-axis: T(x) is x turned by rate * z, and what is drawn is the set of x with T(x) in the model
+// (KRS paper 5.2; krs.md 3).
+//
+// METHOD. At the distance r from the axis T stretches by at most L(r) = (k r + sqrt(k^2 r^2 + 4))/2, so that the distance over L is a
+// bound. The straight way to the nearest point leads nowhere farther from the axis than the point itself or the model, which a cylinder
+// of some radius about the axis holds. Numbers: rate k, that radius.
+FN point twisted(point q, scene_data scene, int k)
+{
+  real c, s = sin_cos(number(scene, k) * q.z, &c);
+  point y = {fma(c, q.x, -s * q.y), fma(s, q.x, c * q.y), q.z, q.w};
+  return y;
+}
+
+// 1/L.
+FN real twist_share(point q, scene_data scene, int k)
+{
+  real r = fmax(sqrt(fma(q.x, q.x, q.y * q.y)), number(scene, k + 1)), kr = fabs(number(scene, k)) * r;
+  return REAL(2) / (kr + sqrt(fma(kr, kr, REAL(4))));
+}
+
+// The gradient of f(T(x)) from that of f at y = T(x).
+FN covector twist_back(covector g, point q, point y, scene_data scene, int k)
+{
+  real c, s = sin_cos(number(scene, k) * q.z, &c);
+  covector r = {fma(c, g.x, s * g.y), fma(c, g.y, -s * g.x), fma(number(scene, k), fma(g.y, y.x, -g.x * y.y), g.z), REAL(0)};
+  return r;
+}

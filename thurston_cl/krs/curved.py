@@ -1,0 +1,166 @@
+"""Sequences in curved spaces: how records write points, mirrors and kernels of S3, H3, S2xE and H2xE, and
+what the kernels of `kernels/krs/` read of them.
+
+Records of S3 and H3 write the time-like coordinate first, as krs.md 6: <x, x> = -x0^2 + x1^2 + x2^2 + x3^2.
+Those of the products write points as `thurston_cl.Geometry` does, [x, y, z, w]; a mirror of theirs is
+vertical, [x, y, z, 0], a unit normal to a great circle or line of the factor, or horizontal, {"height": w}.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thurston_cl.krs.kernels import EMPTY, Kernel, number, vector
+from thurston_cl.krs.sequence import Mirror
+from thurston_cl.models import MODEL, PRODUCTS, off_model
+
+Array = NDArray[np.float64]
+
+# How far a written point or normal may be off its model.
+OFF_MODEL = 1e-6
+
+
+@dataclass(frozen=True)
+class Space:
+    """A curved space of records. `order`: the places of our coordinates [x, y, z, w] in those of a record."""
+
+    geometry: str
+    order: tuple[int, int, int, int]
+
+    @property
+    def signs(self) -> Array:
+        """The metric of the ambient space on [x, y, z, w]."""
+        return np.array({"h3": [1.0, 1, 1, -1], "h2xe": [1.0, 1, -1, 1]}.get(self.geometry, [1.0, 1, 1, 1]))
+
+    def point(self, value: Any, what: str) -> Array:
+        """A point (4,) in our coordinates."""
+        point = vector(value, 4, what)[list(self.order)]
+        if abs(off_model(self.geometry, *point)) > OFF_MODEL:
+            raise ValueError(f"{what} is no point of {self.geometry}; expected {MODEL[self.geometry]}")
+        return point
+
+    def mirror(self, value: Any, what: str, width: float = 0.0) -> Mirror:
+        """The mirror of a record."""
+        if isinstance(value, Mapping) and self.geometry in PRODUCTS:
+            return level_mirror(number(value.get("height"), f"height of {what}"), 1.0, width)
+        normal = vector(value, 4, what)[list(self.order)]
+        if self.geometry in PRODUCTS and normal[3] != 0:
+            raise ValueError(f"{what} is neither vertical nor horizontal; expected [x, y, z, 0] or height")
+        square = float(normal @ (self.signs * normal))
+        if not square > 0 or abs(square - 1) > OFF_MODEL:
+            raise ValueError(f"{what} has <n, n> = {square:.6g}; expected a unit normal, 1")
+        return normal_mirror(self.geometry, normal / np.sqrt(square), width)
+
+    def kernel(self, record: Mapping[str, Any], what: str) -> Kernel:
+        """The kernel of a record: a sphere {c, r}; a plane {type: plane, n}, in products also {type: plane,
+        height}; a capsule {type: capsule, a, b, r}, in products a vertical one.
+        """
+        kind, part = record.get("type", "sphere"), int(record.get("mat", 0))
+        if kind == "empty":
+            return EMPTY
+        try:
+            match kind:
+                case "sphere":
+                    radius = _positive(record["r"], what)
+                    return sphere(self.geometry, self.point(record["c"], f"c of {what}"), radius, part)
+                case "plane":
+                    mirror = self.mirror(record.get("n", record), f"n of {what}")
+                    return plane(self.geometry, mirror, part)
+                case "capsule":
+                    ends = [self.point(record[key], f"{key} of {what}") for key in ("a", "b")]
+                    return capsule(self.geometry, ends[0], ends[1], _positive(record["r"], what), part)
+        except KeyError as error:
+            raise ValueError(f"{what}, a {kind}, has no {error.args[0]!r}") from None
+        raise ValueError(f"{what} has type {kind!r}; expected one of: empty, sphere, plane, capsule")
+
+
+_SPACES = {
+    "S3": Space("s3", (1, 2, 3, 0)),
+    "H3": Space("h3", (1, 2, 3, 0)),
+    "S2xE": Space("s2xe", (0, 1, 2, 3)),
+    "H2xE": Space("h2xe", (0, 1, 2, 3)),
+}
+
+
+def space_named(name: Any) -> Space:
+    """The space that a record names."""
+    if name not in _SPACES:
+        raise ValueError(f"space is {name!r}; expected one of: {', '.join(_SPACES)}")
+    return _SPACES[name]
+
+
+def _positive(value: Any, what: str) -> float:
+    radius = number(value, f"r of {what}")
+    if radius <= 0:
+        raise ValueError(f"r of {what} is {radius:g}; expected a number greater than 0")
+    return radius
+
+
+def signs_of(geometry: str) -> Array:
+    """The metric of the ambient space on [x, y, z, w]."""
+    return Space(geometry, (0, 1, 2, 3)).signs
+
+
+def normal_mirror(geometry: str, normal: Array, width: float = 0.0) -> Mirror:
+    """The mirror <n, x> = 0 of a unit normal (4,) in ambient coordinates."""
+    return Mirror(np.append(signs_of(geometry) * normal, 0.0), normal, width)
+
+
+def level_mirror(height: float, sense: float = 1.0, width: float = 0.0) -> Mirror:
+    """The horizontal mirror w = height of a product; what is above is folded away, below with sense -1."""
+    up = np.array([0.0, 0.0, 0.0, sense])
+    return Mirror(np.append(up, -sense * height), up, width)
+
+
+def sphere(geometry: str, center: Array, radius: float, part: int) -> Kernel:
+    """The ball about a point (4,)."""
+
+    def reach(form: Array) -> float:
+        side = float(form[:4] @ center + form[4])
+        if geometry in PRODUCTS and form[3] != 0:
+            return side + radius
+        return (np.arcsin(np.clip(side, -1, 1)) if geometry in ("s3", "s2xe") else np.arcsinh(side)) + radius
+
+    return Kernel("sphere", part, (*center, radius), (center, radius), reach, f"ball of radius {radius:.4g}")
+
+
+def plane(geometry: str, mirror: Mirror, part: int) -> Kernel:
+    """What lies on the negative side of a plane."""
+    level = geometry in PRODUCTS and mirror.form[3] != 0
+    # Coordinates on it: the components along the axes that lie most within it.
+    axes = np.eye(4)[:3] if geometry not in PRODUCTS else np.eye(4)[[0, 1, 3]]
+    order = np.argsort(np.abs(axes @ mirror.normal))
+    own = (*mirror.form, 0.0 if level else 1.0, *axes[order[0]], *axes[order[1]])
+    return Kernel("plane", part, own, None, lambda form: np.inf, "half-space")
+
+
+def capsule(geometry: str, a: Array, b: Array, radius: float, part: int) -> Kernel:
+    """All points within a radius of the geodesic from a to b (4,); in the products of a vertical one."""
+    from thurston_cl.geometry import for_few_points
+
+    g = for_few_points(geometry)
+    directions, lengths = g.geodesics(b, 1, base=a)
+    half = 0.5 * float(lengths[0, 0])
+    if not half > 0:
+        raise ValueError("a capsule that begins where it ends; make it a ball")
+    middle, along = (out[0] for out in g.flow(directions[0, 0], half, base=a))
+    words = f"capsule of length {2 * half:.4g}, radius {radius:.4g}"
+    if geometry in PRODUCTS:
+        if abs(abs(directions[0, 0, 2]) - 1) > OFF_MODEL:
+            raise ValueError(f"in {geometry} a capsule of a sequence is vertical")
+        own: tuple[float, ...] = (*middle, half, radius)
+    else:
+        sine, cosine = (np.sin(half), np.cos(half)) if geometry == "s3" else (np.sinh(half), np.cosh(half))
+        own = (*middle, *along, sine, cosine, *a, *b, radius)
+    ends = [sphere(geometry, end, radius, part) for end in (a, b)]
+    return Kernel(
+        "capsule",
+        part,
+        own,
+        (middle, half + radius),
+        lambda form: max(end.reach(form) for end in ends),
+        words,
+    )

@@ -1,0 +1,137 @@
+"""Records of sequences, as dictionaries of plain numbers: what they may say, and the sequences they mean.
+
+`{"mirrors": [{"u": [3], "w": x}, ...], "kernels": [...], "smooth": [...]}` in Euclidean space, `{"G":
+[...], "kernels": [...]}` of Moebius maps, `{"space": "S3", "mirrors": [[4], ...], "kernels": [...]}` in a
+curved space.
+"""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thurston_cl.krs import curved, moebius
+from thurston_cl.krs.kernels import Kernel, kernel_of, number, vector
+from thurston_cl.krs.sequence import MOST_LEVELS, Mirror, MoebiusSequence
+from thurston_cl.krs.sequence import Sequence as KernelSequence
+
+Array = NDArray[np.float64]
+
+_KEYS = {
+    "mirrors": ("mirrors", "kernels", "smooth"),
+    "G": ("G", "kernels", "smooth"),
+    "space": ("space", "mirrors", "kernels", "smooth"),
+}
+# What fixtures say of a model besides.
+_IGNORED = ("points", "true", "folded", "separated", "bound", "probes", "rays")
+# A normal longer or shorter by this much is no unit vector written with few digits.
+OFF_UNIT = 1e-6
+
+
+def sequence_of(record: Mapping[str, Any]) -> KernelSequence | MoebiusSequence:
+    """The sequence that a record describes. ValueError where it makes no sense; one warning for normals
+    that are not of length 1, and are made so, and one for kernels that reach beyond their mirrors.
+    """
+    form = next((key for key in ("G", "space", "mirrors") if key in record), None)
+    if form is None or "kernels" not in record:
+        raise ValueError("a record of a sequence has 'mirrors' or 'G', and 'kernels'")
+    unknown = [key for key in record if key not in (*_KEYS[form], *_IGNORED)]
+    if unknown:
+        raise ValueError(f"unknown key {unknown[0]!r}; expected {', '.join(_KEYS[form])}")
+    steps = _series(record["G" if form == "G" else "mirrors"], "G" if form == "G" else "mirrors")
+    if len(steps) > MOST_LEVELS:
+        raise ValueError(f"{len(steps)} levels; expected at most {MOST_LEVELS}")
+    widths = _widths(record.get("smooth"), len(steps))
+    kernels = _series(record["kernels"], "kernels")
+    found: KernelSequence | MoebiusSequence
+    if form == "space":
+        space = curved.space_named(record["space"])
+        found = KernelSequence(
+            space.geometry,
+            tuple(
+                space.mirror(m, f"mirror {i}", w) for i, (m, w) in enumerate(zip(steps, widths, strict=True))
+            ),
+            tuple(space.kernel(_mapping(k, f"kernel {i}"), f"kernel {i}") for i, k in enumerate(kernels)),
+        )
+    elif form == "G":
+        found = MoebiusSequence(tuple(map(_map, range(len(steps)), steps)), widths, _kernels(kernels))
+    else:
+        found = KernelSequence("e3", _mirrors(steps, widths), _kernels(kernels))
+    _tell_of_clipping(found)
+    return found
+
+
+def _series(value: Any, what: str) -> Sequence[Any]:
+    if not isinstance(value, (list, tuple, np.ndarray)):
+        raise ValueError(f"{what} is {value!r}; expected a list")
+    return list(value)
+
+
+def _mapping(value: Any, what: str) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{what} is {value!r}; expected a mapping")
+    return value
+
+
+def _kernels(kernels: Sequence[Any]) -> tuple[Kernel, ...]:
+    return tuple(kernel_of(_mapping(k, f"kernel {i}"), f"kernel {i}") for i, k in enumerate(kernels))
+
+
+def _widths(smooth: Any, count: int) -> tuple[float, ...]:
+    if smooth is None:
+        return (0.0,) * count
+    widths = tuple(number(width, f"smooth {i}") for i, width in enumerate(_series(smooth, "smooth")))
+    if len(widths) != count:
+        raise ValueError(f"smooth has {len(widths)} widths for {count} levels; expected one for each")
+    if any(width < 0 for width in widths):
+        raise ValueError("smooth has a negative width; expected numbers from 0")
+    return widths
+
+
+def _mirrors(mirrors: Sequence[Any], widths: Sequence[float]) -> tuple[Mirror, ...]:
+    made, lengths = [], []
+    for i, (entry, width) in enumerate(zip(mirrors, widths, strict=True)):
+        mirror = _mapping(entry, f"mirror {i}")
+        for key in ("u", "w"):
+            if key not in mirror:
+                raise ValueError(f"mirror {i} has no {key!r}")
+        u = vector(mirror["u"], 3, f"u of mirror {i}")
+        length = float(np.linalg.norm(u))
+        if length == 0:
+            raise ValueError(f"u of mirror {i} is the zero vector; expected a direction")
+        made.append(plane_mirror(u / length, number(mirror["w"], f"w of mirror {i}") / length, width))
+        lengths.append(length)
+    off = [i for i, length in enumerate(lengths) if abs(length - 1) > OFF_UNIT]
+    if off:
+        warnings.warn(
+            f"the normals of mirrors {', '.join(map(str, off))} are not of length 1; "
+            "u and w were divided by their length",
+            stacklevel=4,
+        )
+    return tuple(made)
+
+
+def plane_mirror(normal: Array, offset: float, width: float = 0.0) -> Mirror:
+    """The mirror u . x = w of Euclidean space, u of length 1."""
+    return Mirror(np.array([*normal, -offset, 0.0]), np.array([*normal, 0.0]), width)
+
+
+def _map(level: int, matrix: Any) -> moebius.Map:
+    try:
+        return moebius.Map(np.asarray(matrix, dtype=np.float64))
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"G of level {level}: {error}") from None
+
+
+def _tell_of_clipping(sequence: KernelSequence | MoebiusSequence) -> None:
+    clipped = sequence.clipped()
+    if clipped:
+        told = [f"{i} ({'without bound' if np.isinf(by) else f'by {by:.3g}'})" for i, by in clipped]
+        warnings.warn(
+            f"{'kernels' if len(told) > 1 else 'kernel'} {', '.join(told)} "
+            f"{'reach' if len(told) > 1 else 'reaches'} beyond the mirror of the same number; "
+            "what is there is clipped",
+            stacklevel=4,
+        )

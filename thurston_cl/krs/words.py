@@ -1,0 +1,53 @@
+"""A sequence in words: how much the mirrors make of it, how far it reaches, and its levels one by one."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thurston_cl.krs.moebius import Map
+from thurston_cl.krs.sequence import Mirror, MoebiusSequence, Sequence
+from thurston_cl.models import PRODUCTS
+
+
+def in_short(sequence: Sequence | MoebiusSequence) -> str:
+    """Levels, instances and bounding radius."""
+    reach = (
+        f"within {sequence.radius:.4g} of its origin" if math.isfinite(sequence.radius) else "without bound"
+    )
+    kind = "Moebius levels" if isinstance(sequence, MoebiusSequence) else "levels"
+    return f"{sequence.levels} {kind}, {sequence.instances} kernels in all, {reach}"
+
+
+def level_by_level(sequence: Sequence | MoebiusSequence) -> list[str]:
+    """What each level does, the innermost first."""
+    lines = [f"0: {sequence.kernels[0].words}"]
+    if isinstance(sequence, MoebiusSequence):
+        steps = [_map_in_words(map_) for map_ in sequence.maps]
+    else:
+        steps = [_mirror_in_words(mirror, sequence.geometry) for mirror in sequence.mirrors]
+    for i, step in enumerate(steps, start=1):
+        kernel = sequence.kernels[i]
+        lines.append(f"{i}: {step}" + ("" if kernel.is_empty else f"; {kernel.words}"))
+    return lines
+
+
+def _mirror_in_words(mirror: Mirror, geometry: str) -> str:
+    if geometry == "e3":
+        words = f"mirror across {_vector(mirror.normal[:3])} at {-float(mirror.form[4] + mirror.form[3]):.4g}"
+    elif geometry in PRODUCTS and mirror.form[3] != 0:
+        words = f"horizontal mirror at height {-float(mirror.form[4] / mirror.form[3]):.4g}"
+    else:
+        words = f"mirror with the normal {_vector(mirror.normal)}"
+    return f"{words}, smooth within {mirror.width:.4g}" if mirror.width > 0 else words
+
+
+def _map_in_words(map_: Map) -> str:
+    has_pole, *numbers, factor = map_.numbers
+    if not has_pole:
+        return f"mirror x = 0, then a similarity, {factor:.4g} times as large"
+    return f"mirror x = 0, then a map with its pole at {_vector(np.array(numbers[:3]))}"
+
+
+def _vector(v: NDArray[np.float64]) -> str:
+    return "(" + ", ".join(f"{c:.4g}" for c in v) + ")"

@@ -1,0 +1,311 @@
+"""Kernel-reflection sequences as scenes write them: level by level, as Moebius sequences, or by a recipe."""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar
+
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
+
+from thurston_cl.krs.sequence import MOST_LEVELS
+from thurston_cl.models import ISOTROPIC, PRODUCTS
+
+from .base import Node, Problem, problem, shown
+from .context import Context, context_of
+from .krs_recipe import Recipe
+from .points import Point
+from .surfaces import Material, OptionalMaterial
+from .values import Angle, AtLeast, Direction, Number, OneOrMore, Positive, Says, Vec3
+
+# Geometries with mirrors: totally geodesic planes across every direction, or across and along the fiber.
+MIRRORED = (*ISOTROPIC, *PRODUCTS)
+# An explicit mirror is as sharp as this or sharper: widths are lengths, and never negative.
+Width = Annotated[Number, AfterValidator(lambda value: _not_negative(value)), Says("number ≥ 0")]
+
+
+def _not_negative(value: float) -> float:
+    if value < 0:
+        raise problem(f"expected a number from 0; this is {shown(value)}")
+    return value
+
+
+class KernelBall(Node):
+    """A ball as a kernel."""
+
+    what = "a ball"
+    example = "ball: {radius: 0.1, at: [0, 0, 1]}"
+
+    radius: Positive = Field(description="Its radius.")
+    at: Point = Field(default=(0.0, 0.0, 0.0), description="Its center.")
+
+
+class KernelHalfSpace(Node):
+    """A half-space as a kernel."""
+
+    what = "a half-space"
+    example = "half-space: {normal: [0, 0, 1], offset: 0}"
+
+    normal: Direction = Field(default=(0, 0, 1), description="Points out of it.")
+    offset: Number = Field(default=0.0, description="How far along the normal the plane stands.")
+
+
+class KernelCapsule(Node):
+    """All points within a distance of a geodesic segment; in s2xe and h2xe of a vertical one."""
+
+    what = "a capsule"
+    example = "capsule: {from: [0, 0, 0], to: [0, 0, 1], radius: 0.1}"
+
+    start: Point = Field(alias="from", description="One end of the segment.")
+    to: Point = Field(description="The other end.")
+    radius: Positive = Field(description="The distance.")
+
+
+class KernelArc(Node):
+    """All points within a distance of an arc of a circle: a bent branch. In e3."""
+
+    what = "an arc"
+    example = "arc: {from: [0, 0, 0], through: [0.1, 0, 0.5], to: [0, 0, 1], radius: 0.1}"
+
+    start: Vec3 = Field(alias="from", description="One end of the arc.")
+    through: Vec3 = Field(description="A point of it between the ends; on their straight line: no bend.")
+    to: Vec3 = Field(description="The other end.")
+    radius: Positive = Field(description="The distance.")
+
+
+class KernelLeaf(Node):
+    """A lens-shaped leaf: what two equal balls have in common. In e3."""
+
+    what = "a leaf"
+    example = "leaf: {radius: 0.1, thickness: 0.03, across: [0, 0, 1]}"
+
+    radius: Positive = Field(description="Radius of its rim.")
+    thickness: Positive = Field(description="How thick it is in the middle; at most twice the radius.")
+    across: Direction = Field(default=(0, 0, 1), description="The direction across it.")
+    at: Vec3 = Field(default=(0.0, 0.0, 0.0), description="Its middle.")
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        if self.thickness > 2 * self.radius:
+            message = f"a leaf is at most twice as thick as its radius, {shown(self.radius)}"
+            yield Problem(("thickness",), message, f"write at most {shown(2 * self.radius)}")
+
+
+class Kernel(Node):
+    """One kernel: the piece of geometry that a level adds."""
+
+    what = "a kernel"
+    example = "kernel: {ball: {radius: 0.1}}"
+    one_of = ("ball", "half-space", "capsule", "arc", "leaf")
+    hints: ClassVar[Mapping[str, str]] = {
+        "sphere": "did you mean 'ball'?",
+        "plane": "did you mean 'half-space'?",
+        "lens": "did you mean 'leaf'?",
+        **dict.fromkeys(("torcap", "torus", "branch"), "did you mean 'arc'?"),
+        "cylinder": "did you mean 'capsule'?",
+        "at": "'at' belongs inside the ball or leaf: write 'ball: {radius: 0.1, at: [0, 0, 1]}'",
+        "color": "write 'material: {color: ...}'",
+    }
+
+    ball: KernelBall | None = Field(default=None, description="All points within a distance of a point.")
+    half_space: KernelHalfSpace | None = Field(
+        default=None, alias="half-space", description="One side of a plane."
+    )
+    capsule: KernelCapsule | None = Field(
+        default=None, description="All points within a distance of a segment."
+    )
+    arc: KernelArc | None = Field(default=None, description="All points within a distance of an arc; in e3.")
+    leaf: KernelLeaf | None = Field(default=None, description="A lens; in e3.")
+    material: OptionalMaterial = Field(
+        default=None, description="What it is made of. Left out: what the object is made of."
+    )
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        if context.geometry in (None, "e3"):
+            return
+        for key in ("arc", "leaf"):
+            if getattr(self, key) is not None:
+                message = f"this kernel is made in e3, not in {context.geometry}"
+                yield Problem((key,), message, "there is the capsule", True)
+
+
+class Mirror(Node):
+    """A mirror: the totally geodesic plane across a direction at a point. What the levels before it have made
+    belongs on the side that the normal does not point to; what reaches beyond is cut off."""
+
+    what = "a mirror"
+    example = "mirror: {normal: [1, 0, 0.3], offset: 0.5}"
+
+    normal: Direction = Field(
+        description="Points to the side where the mirror image is; in s2xe and h2xe vertical, [0, 0, ±1], or "
+        "horizontal, [x, y, 0]."
+    )
+    offset: Number = Field(default=0.0, description="How far along the normal the plane stands.")
+    at: Point = Field(default=(0.0, 0.0, 0.0), description="The point from which the normal points.")
+    smooth: Width = Field(
+        default=0.0,
+        description="Normals are blended within this distance of the mirror, so that the crease where "
+        "surfaces meet on it is not seen; 0 keeps it.",
+    )
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        x, y, fiber = self.normal
+        if context.geometry in PRODUCTS and fiber != 0 and (x != 0 or y != 0):
+            message = f"in {context.geometry} a mirror is across the fiber or along it"
+            yield Problem(("normal",), message, f"write [0, 0, 1] or [{x:g}, {y:g}, 0]")
+
+
+class Level(Node):
+    """One level of a sequence: the mirror doubles what there is, and then the kernel is added."""
+
+    what = "a level"
+    example = "- {mirror: {normal: [1, 0, 0.3], offset: 0.5}, kernel: {ball: {radius: 0.1}}}"
+
+    mirror: Mirror = Field(description="Doubles what the levels before have made.")
+    kernel: Kernel | None = Field(default=None, description="What is added after that. Left out: nothing.")
+
+
+class MapStep(Node):
+    """One step of a conformal map."""
+
+    what = "a step of a map"
+    example = "- {move: [0, 0, 1]}"
+    one_of = ("move", "turn", "scale", "bend")
+
+    move: Vec3 | None = Field(default=None, description="Move by a vector.")
+    turn: "MapTurn | None" = Field(default=None, description="Turn about an axis through the origin.")
+    scale: Positive | None = Field(default=None, description="Make larger or smaller about the origin.")
+    bend: Vec3 | None = Field(
+        default=None,
+        description="Bend by an inversion, a move by this vector v and an inversion: the origin stays, with "
+        "its directions, and the point v/|v|² goes to infinity.",
+    )
+
+
+class MapTurn(Node):
+    """A turn about an axis through the origin, right-handed."""
+
+    what = "a turn"
+    example = "turn: {axis: [0, 0, 1], angle: 30 deg}"
+
+    axis: Direction = Field(description="The axis.")
+    angle: Angle = Field(description="How far to turn.")
+
+
+class MoebiusLevel(Node):
+    """One level of a Moebius sequence: the plane x = 0 doubles what there is, on its negative side; the
+    kernel is added; and then all of it goes through a conformal map.
+    """
+
+    what = "a level"
+    example = "- {map: [{bend: [0.1, 0, 0]}, {move: [-1, 0, 0]}], kernel: {ball: {radius: 0.1}}}"
+
+    map: Annotated[tuple[MapStep, ...], AtLeast(1)] = Field(description="Steps, the first made first.")
+    kernel: Kernel | None = Field(default=None, description="What is added beside the mirror images.")
+    smooth: Width = Field(default=0.0, description="As of a [mirror](#mirror).")
+
+
+class Twist(Node):
+    """A twist about the z-axis of the object (KRS paper, 5.2): it hides mirror symmetry."""
+
+    what = "a twist"
+    example = "twist: {angle: 10 deg}"
+
+    angle: Angle = Field(description="How far things turn for each unit of height.")
+
+
+class Zone(Node):
+    """A ball out of which the sequence is cut (KRS paper, 8.4)."""
+
+    what = "an empty zone"
+    example = "- {radius: 1, at: [0, 0, 2]}"
+
+    radius: Positive = Field(description="Its radius.")
+    at: Vec3 = Field(default=(0.0, 0.0, 0.0), description="Its center.")
+
+
+def _zones(value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, (list, tuple)):
+        return value
+    return (Zone.model_validate(value, context=context_of(info)),)
+
+
+class Krs(Node):
+    """A kernel-reflection sequence: a few kernels, doubled again and again by mirrors. Some ten levels
+    make a tree, some twenty a forest; time grows with the levels, not with what they make.
+    """
+
+    what = "a sequence"
+    example = "krs: {tree: {seed: 3}}"
+    one_of = ("levels", "moebius")
+    hints: ClassVar[Mapping[str, str]] = {
+        "mirrors": "write 'levels: [{mirror: ..., kernel: ...}, ...]', and 'kernel' for the innermost one",
+        "material": "'material' stands beside 'krs', or with a kernel of its levels",
+    }
+
+    kernel: Kernel | None = Field(
+        default=None,
+        description="The innermost kernel, of `levels` and `moebius`: what is doubled most often.",
+    )
+    levels: Annotated[tuple[Level, ...], AtLeast(1)] | None = Field(
+        default=None, description=f"Mirrors and kernels, the innermost level first; at most {MOST_LEVELS}."
+    )
+    moebius: Annotated[tuple[MoebiusLevel, ...], AtLeast(1)] | None = Field(
+        default=None,
+        description=f"Conformal maps and kernels, the innermost level first; at most {MOST_LEVELS}. In e3.",
+    )
+    twist: Twist | None = Field(default=None, description="Twist it about its z-axis. In e3.")
+    empty_zones: Annotated[
+        tuple[Zone, ...],
+        BeforeValidator(_zones),
+        OneOrMore(),
+        Says("an [empty zone](#empty-zone), or a list of them"),
+    ] = Field(default=(), alias="empty-zones", description="Balls out of which it is cut. In e3.")
+
+    @property
+    def recipe(self) -> Recipe | None:
+        """The recipe that makes it, if any does."""
+        found = (getattr(self, self.keys()[key]) for key in self.one_of if key not in ("levels", "moebius"))
+        return next((recipe for recipe in found if recipe is not None), None)
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """What its kernels are made of where that is not what the object is made of, each once."""
+        if self.recipe is not None:
+            return self.recipe.materials
+        named = (kernel.material for _, kernel in self._kernels() if kernel is not None)
+        return tuple(dict.fromkeys(material for material in named if material is not None))
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        geometry = context.geometry
+        if geometry is not None and geometry not in MIRRORED:
+            message = f"{geometry} has no mirrors, so that nothing can be doubled by them"
+            yield Problem((), message, f"sequences are made in {', '.join(MIRRORED)}")
+            return
+        if geometry not in (None, "e3"):
+            flat = [key for key in self.one_of if key != "levels"] + ["twist", "empty-zones"]
+            for key in flat:
+                if getattr(self, self.keys()[key]):
+                    message = f"this is made in e3, not in {geometry}"
+                    yield Problem((key,), message, "write 'levels', with mirrors and kernels", True)
+        for key in ("levels", "moebius"):
+            given = getattr(self, key)
+            if given is not None and len(given) > MOST_LEVELS:
+                yield Problem(
+                    (key,), f"at most {MOST_LEVELS} levels; these are {len(given)}", "leave some out"
+                )
+        if self.recipe is not None and self.kernel is not None:
+            message = "a recipe brings its kernels with it"
+            yield Problem(("kernel",), message, "leave kernel out, or write levels", True)
+        if self.recipe is None and not any(kernel for _, kernel in self._kernels()):
+            message = "there is no kernel, so that there is nothing to double"
+            yield Problem((), message, "add 'kernel: {ball: {radius: 0.1}}'")
+        if self.moebius is not None:
+            for path, kernel in self._kernels():
+                if kernel is not None and kernel.half_space is not None:
+                    message = "a Moebius sequence has bounded kernels only"
+                    yield Problem((*path, "half-space"), message, "write a large ball", True)
+
+    def _kernels(self) -> Iterator[tuple[tuple[str | int, ...], Kernel | None]]:
+        """Where kernels are written, and they themselves."""
+        yield ("kernel",), self.kernel
+        for index, level in enumerate(self.levels or ()):
+            yield ("levels", index, "kernel"), level.kernel
+        for index, distorted in enumerate(self.moebius or ()):
+            yield ("moebius", index, "kernel"), distorted.kernel

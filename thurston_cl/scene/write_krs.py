@@ -1,0 +1,59 @@
+"""OpenCL text for kernel-reflection sequences: a function for the distance of each, and one for its
+surface.
+"""
+
+from thurston_cl.krs.program import sequence_parts
+from thurston_cl.scene.krs import Krs
+from thurston_cl.scene.krs_sequence import painted_sequence
+from thurston_cl.scene.surfaces import Material
+from thurston_cl.scene.writer import Writer
+
+
+def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Material, ...]]:
+    """Add the functions of a sequence whose own materials are the parts from `first_part` of its object.
+
+    Returns the name they begin with, and the materials.
+    """
+    painted = painted_sequence(krs, writer.geometry)
+    sequence, numbers = painted.sequence, writer.numbers
+    writer.sequences.append(sequence)
+    writer.parts |= set(sequence_parts(sequence.geometry, sequence.name, sequence.kinds))
+    name = f"krs_{len(writer.sequences)}"
+    place = numbers.add(sequence.numbers)
+    kind = sequence.name
+    distance, way, surface = [f"real d = {kind}_distance(q, scene, {place});"], [], []
+    if krs.twist is not None:
+        writer.parts.add("krs/twist.h")
+        radius = sequence.radius_about_axis
+        if not radius < float("inf"):
+            raise ValueError("a sequence without bound cannot be twisted; leave out what has none")
+        twist = numbers.add([krs.twist.angle, radius])
+        distance = [
+            f"point y = twisted(q, scene, {twist});",
+            f"real d = twist_share(q, scene, {twist}) * {kind}_distance(y, scene, {place});",
+        ]
+        surface = [
+            f"point y = twisted(q, scene, {twist});",
+            f"surface s = {kind}_surface(y, scene, {place});",
+            f"s.gradient = twist_back(s.gradient, q, y, scene, {twist});",
+        ]
+    else:
+        surface = [f"surface s = {kind}_surface(q, scene, {place});"]
+    clear = list(distance)
+    if krs.empty_zones:
+        writer.parts.add("krs/empty_zones.h")
+        zones = numbers.add(number for zone in krs.empty_zones for number in (*zone.at, zone.radius))
+        rest = f"scene, {zones}, {len(krs.empty_zones)});"
+        way.append(f"d = way_through_zones(d, q, v, {rest}")
+        clear.append(f"d = clear_of_zones(d, q, {rest}")
+        surface.append(f"s = surface_left(s, q, {rest}")
+        writer.along_rays.append(name)
+    arguments = "point q, vector v, scene_data scene"
+    writer.function(f"real {name}_distance({arguments})", [*distance, *way, "return d;"])
+    if krs.empty_zones:
+        writer.function(f"real {name}_clearance({arguments})", [*clear, "return d;"])
+    if first_part > 1 and painted.materials:
+        # Part 0, what the object is made of, keeps its number.
+        surface.append(f"s.part = SELECT(s.part > REAL(0), s.part + REAL({first_part - 1}), s.part);")
+    writer.function(f"surface {name}_surface(point q, scene_data scene)", [*surface, "return s;"])
+    return name, painted.materials
