@@ -51,7 +51,7 @@ FN ray start(lane_int id, scene_data scene, TILE)
   return r;
 }
 
-FN real end_of(ray r, mask out_of_steps) { return SELECT(r.hit, REAL(1), SELECT(out_of_steps, REAL(2), REAL(0))); }
+FN real end_of(ray r) { return SELECT(r.hit, REAL(1), SELECT(r.spent, REAL(2), REAL(0))); }
 
 // One work-item marches one packet of LANES neighbouring pixels until the last ray has ended.
 __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_steps, SCENE_ARGUMENTS)
@@ -63,7 +63,7 @@ __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_s
   STORE(r.t, packet, records + (size_t)RECORD_T * stride);
   STORE(r.steps, packet, records + (size_t)RECORD_STEPS * stride);
   STORE(r.cell, packet, records + (size_t)RECORD_CELL * stride);
-  STORE(end_of(r, r.active), packet, records + (size_t)RECORD_END * stride);
+  STORE(end_of(r), packet, records + (size_t)RECORD_END * stride);
   real4_lanes four[2] = {r.p, r.v};
   for (int k = 0; k < 2; k++) {
     __global scalar *to = records + (size_t)(RECORD_POINT + 4 * k) * stride;
@@ -72,25 +72,6 @@ __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_s
     STORE(four[k].z, packet, to + 2 * stride);
     STORE(four[k].w, packet, to + 3 * stride);
   }
-}
-
-// Marches until of the lanes that `owns` names `enough` have ended, or all. *age counts their steps: lanes that reach
-// max_steps end, and are *out_of_steps. Not inlined, as march.
-SOLVER void march_some(ray *from, real *age, mask *out_of_steps, mask owns, int enough, int max_steps, scene_data scene)
-{
-  ray r = *from;
-  real steps = *age;
-  mask old, ended = *out_of_steps;
-  do {
-    r = march_step(r, number(scene, FAR), scene);
-    steps += REAL(1);
-    old = r.active & NOT(steps < REAL(max_steps));
-    ended |= old;
-    r.active &= NOT(old);
-  } while (COUNT(owns & NOT(r.active)) < enough && ANY(r.active));
-  *from = r;
-  *age = steps;
-  *out_of_steps = ended;
 }
 
 // One work-item owns `chunk` consecutive pixels; when a quarter of its lanes have ended, it records them and gives those
@@ -104,13 +85,13 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
   ray r = start(id.lanes, scene, TILE_ARGUMENTS);
   mask_lanes owns, ended;
   owns.lanes = r.t == r.t;
-  mask out_of_steps = NOT(owns.lanes);
-  real age = REAL(0);
+  progress at = begin(r, scene);
   for (;;) {
-    march_some(&r, &age, &out_of_steps, owns.lanes, (LANES + 3) / 4, max_steps, scene);
+    march_some(&r, &at, owns.lanes, (LANES + 3) / 4, max_steps, scene);
     ended.lanes = owns.lanes & NOT(r.active);
-    real_lanes values[12] = {{r.t}, {r.steps}, {r.cell}, {end_of(r, out_of_steps)}, {r.p.x}, {r.p.y}, {r.p.z}, {r.p.w},
-                             {r.v.x}, {r.v.y}, {r.v.z}, {r.v.w}};
+    ray e = arrived(r, at);
+    real_lanes values[12] = {{e.t}, {e.steps}, {e.cell}, {end_of(e)}, {e.p.x}, {e.p.y}, {e.p.z}, {e.p.w},
+                             {e.v.x}, {e.v.y}, {e.v.z}, {e.v.w}};
     for (int lane = 0; lane < LANES; lane++)
       if (ended.at[lane]) {
         for (int c = 0; c < 12; c++) records[(size_t)c * stride + id.at[lane]] = values[c].at[lane];
@@ -123,13 +104,13 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
       ray begun = start(id.lanes, scene, TILE_ARGUMENTS);
       r.p = select_4(fresh, begun.p, r.p);
       r.v = select_4(fresh, begun.v, r.v);
-      r.t = SELECT(fresh, REAL(0), r.t);
+      r.t = SELECT(fresh, begun.t, r.t);
       r.steps = SELECT(fresh, REAL(0), r.steps);
       r.cell = SELECT(fresh, begun.cell, r.cell);
       r.hit &= NOT(fresh);
       r.active = (fresh & begun.active) | (NOT(fresh) & r.active);
-      out_of_steps &= NOT(fresh);
-      age = SELECT(fresh, REAL(0), age);
+      r.spent &= NOT(fresh);
+      at = select_progress(fresh, begin(begun, scene), at);
     }
   }
 }

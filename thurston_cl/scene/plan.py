@@ -267,6 +267,8 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         # What several patterns call comes first.
         *sorted(under("pattern"), key=lambda part: part != "pattern/color_in_turn.h"),
         "march.h",
+        "march/direct.h",
+        "march/loop.h",
         *under("cells.h"),
         # What each projection starts from, and then in the order of the alphabet.
         "camera/frame.h",
