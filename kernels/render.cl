@@ -13,6 +13,8 @@
 #define RECORD_END 3
 #define RECORD_POINT 4
 #define RECORD_VECTOR 8
+// Where rays start by blocks, the pixel's share of the distances that its block asked for; until it is marched, t is where it starts.
+#define RECORD_SHARE 12
 
 // Channels of a tile. Sums run over the samples of a pixel, the others belong to its first sample.
 #define SUM_COLOR 0
@@ -37,7 +39,7 @@
                         __global const scalar *texels
 #define TILE_ARGUMENTS left, top, right, bottom, width, shift_x, shift_y
 
-FN ray start(lane_int id, scene_data scene, TILE)
+FN ray start(lane_int id, __global const scalar *records, int stride, scene_data scene, TILE)
 {
   lane_int inner_id = id & 15, block = id >> 4;
   int blocks = width >> 2;
@@ -47,6 +49,13 @@ FN ray start(lane_int id, scene_data scene, TILE)
   r.active &= (x < REAL(right)) & (y < REAL(bottom));
 #ifdef ROUND_PICTURE
   r.active &= in_picture(x + REAL(C(0.5)), y + REAL(C(0.5)), scene);
+#endif
+#ifdef BLOCK_START
+  int_lanes ids;
+  real_lanes t;
+  ids.lanes = id;
+  for (int lane = 0; lane < LANES; lane++) t.at[lane] = records[(size_t)RECORD_T * stride + ids.at[lane]];
+  r = moved_by(r, t.lanes, scene);
 #endif
   return r;
 }
@@ -58,7 +67,7 @@ __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_s
 {
   scene_data scene = {numbers, next_cell, seen_from, texels};
   size_t packet = get_global_id(0);
-  ray r = start((int)packet * LANES + LANE_IDS, scene, TILE_ARGUMENTS);
+  ray r = start((int)packet * LANES + LANE_IDS, records, stride, scene, TILE_ARGUMENTS);
   march(&r, number(scene, FAR), max_steps, scene);
   STORE(r.t, packet, records + (size_t)RECORD_T * stride);
   STORE(r.steps, packet, records + (size_t)RECORD_STEPS * stride);
@@ -82,7 +91,7 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
   int first = (int)get_global_id(0) * chunk, next = first + LANES, end = first + chunk;
   int_lanes id;
   id.lanes = first + LANE_IDS;
-  ray r = start(id.lanes, scene, TILE_ARGUMENTS);
+  ray r = start(id.lanes, records, stride, scene, TILE_ARGUMENTS);
   mask_lanes owns, ended;
   owns.lanes = r.t == r.t;
   progress at = begin(r, scene);
@@ -101,7 +110,7 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
     if (!ANY(owns.lanes)) break;
     mask fresh = ended.lanes & owns.lanes;
     if (ANY(fresh)) {
-      ray begun = start(id.lanes, scene, TILE_ARGUMENTS);
+      ray begun = start(id.lanes, records, stride, scene, TILE_ARGUMENTS);
       r.p = select_4(fresh, begun.p, r.p);
       r.v = select_4(fresh, begun.v, r.v);
       r.t = SELECT(fresh, begun.t, r.t);
@@ -139,6 +148,9 @@ __kernel void shade(__global const scalar *records, __global scalar *pixels, int
   mask out_of_steps = record[RECORD_END] > REAL(1);
   work done = {REAL(0), REAL(0), REAL(0), record[RECORD_STEPS]};
   done.distances += SELECT(NOT(out_of_steps) & (r.hit | (r.t > REAL(0))), REAL(1), REAL(0));
+#ifdef BLOCK_START
+  done.distances += LOAD(packet, records + (size_t)RECORD_SHARE * stride);
+#endif
   look first;
   real3_lanes seen = scene_seen(r, &first, max_steps, scene, &done);
 
