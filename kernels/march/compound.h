@@ -2,9 +2,9 @@
 // length of its own up to which the ray is free of it, and the nearest is asked for next. A ray that passes close by one object takes
 // short steps for that one alone. In the whole space, where any length is flowed along at once: isotropic geometries and products.
 //
-// The lanes of a packet differ in which component is nearest: the one that is least far for any lane is asked for in all lanes that
-// can use it, those not ended in which it lies before what they have already met. What a lane ends at does not depend on the others, the
-// count of its steps does.
+// The lanes of a packet differ in which component is nearest: the one that is so in most lanes is asked for in all that can use it, those
+// not ended in which it lies before what they have already met. (To ask for the one that is least far in any lane takes more steps of
+// the packet.) What a lane ends at does not depend on the others; the count of its steps does.
 FN real scene_component(int k, point p, vector v, scene_data scene);
 
 typedef struct {
@@ -15,8 +15,15 @@ typedef struct {
   real steps[COMPONENTS];
   real end;                 // the least length at which a component is met or out of steps, from there
   mask met, asked;          // whether it is met at the end; lanes in which the last step asked
-  scalar front[COMPONENTS]; // at most the least of t over the open lanes
 } progress;
+
+// The least length that is free of a component: all that the ray is known to be free of.
+FN real nearest_of(const progress *at)
+{
+  real t = at->t[0];
+  for (int k = 1; k < COMPONENTS; k++) t = fmin(t, at->t[k]);
+  return t;
+}
 
 FN progress begin(ray r, scene_data scene)
 {
@@ -24,7 +31,6 @@ FN progress begin(ray r, scene_data scene)
   for (int k = 0; k < COMPONENTS; k++) {
     at.t[k] = REAL(scene.skipped == k + 1 ? INFINITY : 0);
     at.steps[k] = REAL(0);
-    at.front[k] = 0;
   }
   at.end = REAL(INFINITY);
   at.met = at.asked = NOT(r.active | NOT(r.active));
@@ -40,7 +46,6 @@ FN progress select_progress(mask m, progress a, progress b)
   for (int k = 0; k < COMPONENTS; k++) {
     at.t[k] = SELECT(m, a.t[k], b.t[k]);
     at.steps[k] = SELECT(m, a.steps[k], b.steps[k]);
-    at.front[k] = 0;
   }
   at.end = SELECT(m, a.end, b.end);
   at.met = (m & a.met) | (NOT(m) & b.met);
@@ -57,10 +62,8 @@ FN ray measured(ray before, ray after, progress at)
 // The ray at its end: where it meets a component, is out of steps, or as far as it may go.
 FN ray arrived(ray r, progress at)
 {
-  real t = at.end;
-  for (int k = 0; k < COMPONENTS; k++) t = fmin(t, at.t[k]);
   // A NaN is kept.
-  t = SELECT(at.end == at.end, t, at.end);
+  real nearest = nearest_of(&at), t = SELECT(nearest < at.end, nearest, at.end);
   r.p = at.p;
   r.v = at.v;
   flow(&r.p, &r.v, t);
@@ -69,35 +72,22 @@ FN ray arrived(ray r, progress at)
   return r;
 }
 
-// The least of the lanes of a mask, +infinity for none.
-FN scalar least_of(mask m, real a)
-{
-  real_lanes lanes;
-  lanes.lanes = SELECT(m, a, REAL(INFINITY));
-  scalar least = lanes.at[0];
-  for (int lane = 1; lane < LANES; lane++) least = fmin(least, lanes.at[lane]);
-  return least;
-}
-
 // Asks for one component, and moves the lanes on that can use it.
 FN ray march_step(ray r, progress *at, real limit, int max_steps, scene_data scene)
 {
-  // Choose the component. Lengths only grow and lanes only end, so that a front that is still the least after it was looked at is it.
-  real most = limit - at->from, before = SELECT(at->end < most, at->end, most);
-  int k = 0;
-  for (;;) {
-    scalar next = INFINITY;
-    k = 0;
-    for (int other = 1; other < COMPONENTS; other++) {
-      next = fmin(next, fmax(at->front[k], at->front[other]));
-      if (at->front[other] < at->front[k]) k = other;
+  // Choose the component that is the nearest in most lanes.
+  real nearest = SELECT(r.active, nearest_of(at), REAL(-1));
+  int k = 0, most_lanes = 0;
+  for (int other = 0; other < COMPONENTS; other++) {
+    int lanes = COUNT(at->t[other] <= nearest);
+    if (lanes > most_lanes) {
+      most_lanes = lanes;
+      k = other;
     }
-    scalar front = least_of(r.active & (at->t[k] < before), at->t[k]);
-    at->front[k] = front;
-    if (!(front > next)) break;
   }
 
   // Ask for it.
+  real most = limit - at->from, before = SELECT(at->end < most, at->end, most);
   at->asked = r.active & (at->t[k] < before);
   real t = SELECT(at->asked, at->t[k], REAL(0));
   ray there = new_ray(at->p, at->v);
@@ -125,9 +115,7 @@ FN ray march_step(ray r, progress *at, real limit, int max_steps, scene_data sce
 
   // The lane has ended where no component is left before its end.
   before = SELECT(at->end < most, at->end, most);
-  mask open = NOT(r.active | NOT(r.active));
-  for (int other = 0; other < COMPONENTS; other++) open |= at->t[other] < before;
-  mask ended = r.active & (NOT(open) | lost);
+  mask ended = r.active & (NOT(nearest_of(at) < before) | lost);
   r.hit |= ended & at->met & NOT(lost);
   r.spent |= ended & NOT(at->met) & (at->end < most);
   r.active &= NOT(ended);
