@@ -11,7 +11,10 @@ from .kernels import moved, spindle
 # Beyond this even a list of where the fish are grows large: 32768 fish.
 MOST_DOUBLINGS = 12
 _X, _Y, _Z = np.eye(3)
-_ROWS = ((0.0, 1.0, -1.0), (0.5, -0.5))  # where fish are along x: in the lower and upper row, and between them
+_ROWS = (
+    (0.0, 1.0, -1.0),
+    (0.5, -0.5),
+)  # where fish are along x: in the lower and upper row, and between them
 # A fish of length 1 lies within this distance of the segment along which it swims, and that reaches so far.
 _GIRTH, _HALF = 0.21, 0.62
 _FLATTER = 3.0  # a school is this much wider than high
@@ -79,9 +82,7 @@ def fish_school(
     }
 
 
-def _doubled(
-    centers: Array, headings: Array, normal: Array, gap: float
-) -> tuple[Array, Array, float]:
+def _doubled(centers: Array, headings: Array, normal: Array, gap: float) -> tuple[Array, Array, float]:
     """Fish and their images in a mirror across this normal, beyond them all, and its offset."""
     if len(centers) == 0:
         return centers, headings, 0.0

@@ -72,10 +72,7 @@ def composed(*maps: Array) -> Array:
     result = maps[0]
     for m in maps[1:]:
         result = np.array(
-            [
-                [times(result[i, 0], m[0, j]) + times(result[i, 1], m[1, j]) for j in (0, 1)]
-                for i in (0, 1)
-            ]
+            [[times(result[i, 0], m[0, j]) + times(result[i, 1], m[1, j]) for j in (0, 1)] for i in (0, 1)]
         )
     return result
 

@@ -76,7 +76,9 @@ def palm_leaf(
     kernels[-1] = EMPTY
     kernels.append(stem)
     sideways = 0.15 * random.choice((-1.0, 1.0))
-    whole = composed(rotation(np.column_stack([-_Y, _X, _Z])), bend(np.array([sideways, -taper, droop]) / reach))
+    whole = composed(
+        rotation(np.column_stack([-_Y, _X, _Z])), bend(np.array([sideways, -taper, droop]) / reach)
+    )
     maps.append(composed(dilation(length / float(np.linalg.norm(applied(whole, tip)))), whole))
     return {"G": np.array(maps).tolist(), "kernels": kernels}
 

@@ -32,7 +32,9 @@ def sponge(
     ValueError where no round one is found.
     """
     if not GATHERING + 2 + layers <= levels <= 40:
-        raise ValueError(f"a sponge of {layers} layers has {GATHERING + 2 + layers} to 40 levels, not {levels}")
+        raise ValueError(
+            f"a sponge of {layers} layers has {GATHERING + 2 + layers} to 40 levels, not {levels}"
+        )
     random = np.random.default_rng(seed)
     directions = unit(random.normal(size=(_SAMPLES, 3)))
     for _ in range(_ATTEMPTS):
@@ -56,5 +58,10 @@ def sponge(
     ring, thread = 0.54 * radius * pore, radius * pore * (0.1 + 0.3 * threads)
     middle = radius * center
     ends = [middle + ring * (math.cos(_OPEN) * first + s * math.sin(_OPEN) * second) for s in (1, -1)]
-    torus = {"type": "torcap", "p": ends[0].tolist(), "q": ends[1].tolist(), "m": (middle - ring * first).tolist()}
+    torus = {
+        "type": "torcap",
+        "p": ends[0].tolist(),
+        "q": ends[1].tolist(),
+        "m": (middle - ring * first).tolist(),
+    }
     return sequence(mirrors, {0: torus | {"r": thread, "mat": 0}}, radius)
