@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar
 
-from annotated_types import Ge, Gt, Le, Lt
+from annotated_types import Ge, Le
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from thurston_cl.krs.recipes.hyperbolic_forest import hyperbolic_forest
@@ -14,7 +14,7 @@ from .base import Problem, problem, shown
 from .context import Context
 from .krs_recipe import Recipe
 from .surfaces import Material, MaterialValue
-from .values import Angle, Number, Positive, Says, Seed, color, whole_number
+from .values import Angle, Number, Positive, Ratio, Says, Seed, color, whole_number
 
 
 def _from_five_to_sixty(angle: float) -> float:
@@ -35,14 +35,13 @@ Forks = Annotated[int, Ge(1), Le(12), BeforeValidator(whole_number), Says("whole
 Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole number from 0 to 8")]
 Spread = Annotated[Angle, AfterValidator(_from_five_to_sixty), Says("angle from 5 deg to 60 deg")]
 Irregular = Annotated[Number, Ge(0), Le(0.14), Says("number from 0 to 0.14")]
-Ratio = Annotated[Number, Gt(0), Lt(1), Says("number between 0 and 1")]
 Width = Annotated[Number, AfterValidator(_not_negative), Says("number ≥ 0")]
 
 
 class HyperbolicForest(Recipe):
     """A forest on the plane z = 0 of hyperbolic space. The plane is tiled with pentagons all of whose angles
-    are right, four of them around each corner, and in each stands a tree, the first at the origin. All of them
-    are images of one: each mirror doubles the forest."""
+    are right, four of them around each corner, and in each stands a tree, the first at the origin. All of
+    them are images of one: each mirror doubles the forest."""
 
     what = "a hyperbolic forest"
     example = "hyperbolic-forest: {seed: 3, height: 0.9, leaf: {color: olivedrab}}"
@@ -51,7 +50,7 @@ class HyperbolicForest(Recipe):
     hints: ClassVar[Mapping[str, str]] = {
         "trees": "write 'doublings': there are 2^doublings trees",
         "levels": "write 'doublings' for the forest, 'forks' and 'foliage' for its trees",
-        "density": "a tree has the area of a pentagon for itself, a quarter turn, 1.571, whatever its sides are",
+        "density": "each tree has a pentagon of area 1.571 for itself, whatever its sides are",
         "material": "a forest has four: 'bark', 'leaf', 'ground' and 'stone'",
         "color": "write 'bark: {color: ...}', and so on for 'leaf', 'ground' and 'stone'",
         "at": "'at' stands beside 'krs', not inside it",
@@ -59,20 +58,20 @@ class HyperbolicForest(Recipe):
 
     doublings: Doublings = Field(
         default=22,
-        description="Mirrors on the ground: there are 2^doublings trees. 10 reach about 2 around the first tree, "
-        "22 about 3, 28 about 3.4.",
+        description="Mirrors on the ground: there are 2^doublings trees. 10 reach about 2 around the first, 22 "
+        "about 3.",
     )
     height: Positive = Field(
         default=0.9,
-        description="Length of a tree along its branches, trunk included; less where it would not fit in its "
-        "cell, whose sides are 0.6 from the middle.",
+        description="Length of a tree along its branches, trunk included. One that would not fit in its "
+        "cell, whose sides are about 0.6 from the trunk, is smaller.",
     )
     forks: Forks = Field(
         default=7, description="How often branches fork on the way from the trunk to a twig."
     )
     foliage: Few = Field(
         default=3,
-        description="How often the leaves of a twig are doubled: it has 2^(foliage + 1) − 2 of them, and 0 has "
+        description="How often the leaves of a twig are doubled: it has 2^(foliage + 1) − 2 of them; 0 has "
         "none.",
     )
     spread: Spread = Field(
@@ -84,7 +83,8 @@ class HyperbolicForest(Recipe):
     thickness: Positive = Field(default=0.07, description="Diameter of the trunk.")
     leaf_size: Positive = Field(default=0.05, alias="leaf-size", description="Diameter of a leaf, a ball.")
     wall: Width = Field(
-        default=0.03, description="Diameter of the walls between the cells, half above the ground; 0 has none."
+        default=0.03,
+        description="Diameter of the walls between the cells, half above the ground; 0 has none.",
     )
     irregular: Irregular = Field(
         default=0.12, description="How different the sides of a cell are; 0 is the regular pentagon."
@@ -111,7 +111,7 @@ class HyperbolicForest(Recipe):
         count = self.doublings + self.forks + self.foliage
         if count > MOST_LEVELS:
             message = (
-                f"doublings, forks and foliage make {count} mirrors together; at most {MOST_LEVELS} are possible"
+                f"doublings, forks and foliage make {count} mirrors together; at most {MOST_LEVELS} can be"
             )
             yield Problem(("doublings",), message, f"take {count - MOST_LEVELS} off 'doublings'")
 

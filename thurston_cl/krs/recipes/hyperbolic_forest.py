@@ -1,19 +1,19 @@
-"""A forest in hyperbolic space: one tree in a right-angled pentagon, and mirrors that stand on its sides.
+"""A forest in hyperbolic space: one tree in a right-angled pentagon, and mirrors on its sides.
 
-GROUND PLAN. The ground is a totally geodesic plane, and on it lies a pentagon with five right angles, which fit
-together in the hyperbolic plane alone. A polygon with right angles and its image across one of its sides make
-another one: beside the mirror two right angles become a straight line. So each doubling reflects in a side of
-the polygon so far, the one nearest to the first tree, and all trees lie exactly on one side of each mirror:
-2^doublings cells, none of them cut.
+GROUND PLAN. The ground is a totally geodesic plane, and on it lies a pentagon with five right angles, which
+fit together in the hyperbolic plane alone. A polygon with right angles and its image across one of its sides
+make another one: beside the mirror two right angles become a straight line. So each doubling reflects in a
+side of the polygon so far, the one nearest to the first tree, and all trees lie exactly on one side of each
+mirror: 2^doublings cells, none of them cut.
 
-TREE. From the twigs down to the trunk (krs.md 7, TREE, by exponential maps): what has grown is leant away from a
-mirror through the next fork, by at least as much as brings all of it to one side. What is within a radius of
-axes on one side of a mirror is not clipped by it either, since a point beyond is nearer to the images of these.
+TREE. From the twigs down to the trunk (krs.md 7, TREE, by exponential maps): what has grown is leant away
+from a mirror through the next fork, by at least as much as brings all of its axes to one side. What is within
+a radius of axes on one side of a mirror is not clipped by it: where it reaches beyond, the image is, too.
 """
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -29,8 +29,12 @@ ORIGIN = np.array([1.0, 0.0, 0.0, 0.0])
 REGULAR_SIDE = math.acosh(0.5 * (1 + math.sqrt(5)))
 # Walls end so far from the foot of the first tree on them: beyond, a wall is finer than a pixel.
 LONGEST_WALL = 5.0
+# Sides that are known beyond those that are doubled, for walls to end at.
+NEIGHBORS = 50
 # Products of normals: 0 where sides meet, and beyond 1 where they do not.
 MEETS = 1e-6
+# By this factor a tree is smaller if it does not fit.
+SMALLER = 0.96
 BARK, LEAF, GROUND, WALL = range(4)
 
 
@@ -52,7 +56,7 @@ def hyperbolic_forest(
     """The record of a forest on the ground z = 0, its first tree at the origin.
 
     doublings  mirrors on the ground; there are 2^doublings trees
-    height     of a tree along its longest branches, trunk included; less where it would not fit in its cell
+    height     of a tree along its branches, trunk included; one that does not fit its cell is smaller
     forks      of a route from the trunk to a twig: a tree has 2^forks twigs
     foliage    doublings of the leaves at the end of a twig, which has 2^(foliage + 1) - 2; 0 leaves it bare
     spread     how far branches lean from the one before, at least, radians
@@ -60,16 +64,17 @@ def hyperbolic_forest(
     thickness  diameter of the trunk
     taper      thickness of a branch in that of the one before it
     leaf_size  diameter of a leaf
-    wall       diameter of the walls between cells, half of it above the ground; 0 leaves them out
+    wall       diameter of the walls between cells, half above the ground; 0 leaves them out
     irregular  from 0, the regular pentagon, up to 0.14
     seed       of the random numbers
 
-    "mat" is 0 for bark, 1 for leaves, 2 for the ground, 3 for walls. The record has foliage + forks + doublings
-    mirrors. ValueError if there is no such pentagon.
+    "mat" is 0 for bark, 1 for leaves, 2 for the ground, 3 for walls. The record has foliage + forks +
+    doublings mirrors.
     """
     rng = np.random.default_rng(seed)
     sides = pentagon(
-        REGULAR_SIDE * (1 + irregular * rng.uniform(-1, 1)), REGULAR_SIDE * (1 + irregular * rng.uniform(-1, 1))
+        REGULAR_SIDE * (1 + irregular * rng.uniform(-1, 1)),
+        REGULAR_SIDE * (1 + irregular * rng.uniform(-1, 1)),
     )
     shape = Habit(forks, foliage, spread, ratio, 0.5 * thickness, taper, 0.5 * leaf_size)
     tree = _fitting(shape, height, sides, int(rng.integers(2**32)))
@@ -87,9 +92,9 @@ def hyperbolic_forest(
 
 
 def pentagon(a: float, b: float) -> list[Array]:
-    """Outer unit normals (4,) of the sides of a pentagon with right angles, by the lengths of two neighboring
-    sides, which decide the others; they stand upright on the ground, and the origin is as far inside as it can be.
-    ValueError where the sides next to these would meet.
+    """Outer unit normals (4,) of the sides of a pentagon with right angles, by the lengths of two
+    neighboring sides, which decide the others. They stand upright on the ground, and the origin is as far
+    inside as it can be. ValueError where there is none.
     """
     square = math.tanh(a) ** 2 + math.tanh(b) ** 2 - 1
     if not square > 0:
@@ -113,19 +118,22 @@ def pentagon(a: float, b: float) -> list[Array]:
 
 
 def doubled(sides: list[Array], doublings: int) -> Iterator[tuple[Array, tuple[Array, Array]]]:
-    """The mirrors, one after the other: the side of the polygon so far that is nearest to the origin, and the
-    ends of it that are in sight; the polygon is then its union with its image.
+    """The mirrors, one after the other: the side of the polygon so far that is nearest to the origin, and
+    the ends of it that are in sight; the polygon is then its union with its image.
     """
     for left in range(doublings, 0, -1):
         # t grows with the distance of a side: <n, o> = -t.
         sides = sorted(sides, key=lambda n: float(n[0]))
         mirror = sides.pop(0)
         products = [float(n @ METRIC @ mirror) for n in sides]
-        yield mirror, _ends(mirror, [n for n, product in zip(sides, products, strict=True) if abs(product) < MEETS])
+        yield (
+            mirror,
+            _ends(mirror, [n for n, product in zip(sides, products, strict=True) if abs(product) < MEETS]),
+        )
         images = [n - 2 * p * mirror for n, p in zip(sides, products, strict=True) if abs(p) >= MEETS]
-        # An image is no nearer than what it is the image of, and each doubling takes the nearest side away: what
-        # is farther than so many others has no turn any more.
-        sides = sorted(sides + images, key=lambda n: float(n[0]))[: left + len(sides)]
+        # An image is no nearer than what it is the image of, and each doubling takes one side away: what is
+        # farther than as many others as are still to come has no turn any more, and at most ends a wall.
+        sides = sorted(sides + images, key=lambda n: float(n[0]))[: left + NEIGHBORS]
 
 
 def _ends(side: Array, neighbors: list[Array]) -> tuple[Array, Array]:
@@ -164,8 +172,8 @@ class Habit:
 
 @dataclass
 class Grown:
-    """What has grown so far, its foot at the origin and z upwards: mirrors and kernels from the twigs down, and
-    all centers and ends of axes (4,N).
+    """What has grown so far, its foot at the origin and z upwards: mirrors and kernels from the twigs down,
+    and all centers and ends of axes (4,N).
     """
 
     kernels: list[Record]
@@ -190,12 +198,14 @@ class Grown:
         upper = self.moved(_rise(stem) @ _turn(1, -tilt) @ _turn(2, turns[best]))
         mirror = _rise(stem) @ np.array([0.0, math.cos(lean), 0.0, math.sin(lean)])
         images = upper.points - 2 * np.outer(mirror, mirror @ METRIC @ upper.points)
-        points = np.concatenate([upper.points, images, ORIGIN[:, None], _rise(stem) @ ORIGIN[:, None]], axis=1)
+        points = np.concatenate(
+            [upper.points, images, ORIGIN[:, None], _rise(stem) @ ORIGIN[:, None]], axis=1
+        )
         return Grown([*upper.kernels, kernel], points, [*upper.mirrors, mirror])
 
 
 def _fitting(habit: Habit, height: float, sides: list[Array], seed: int) -> Grown:
-    """A tree as high as this, or as high as goes into the cell, turned so that it fits best."""
+    """A tree of this size, or of the largest that goes into the cell, turned so that it fits best."""
     normals, turns = np.array(sides) @ METRIC, [_turn(2, angle) for angle in np.linspace(0, 2 * math.pi, 72)]
     while True:
         tree = _tree(habit, height, np.random.default_rng(seed))
@@ -203,11 +213,12 @@ def _fitting(habit: Habit, height: float, sides: list[Array], seed: int) -> Grow
         best = int(np.argmin(beyond))
         if beyond[best] <= 0:
             return tree.moved(turns[best])
-        height *= 0.96
+        height *= SMALLER
+        habit = replace(habit, radius=SMALLER * habit.radius, leaf=SMALLER * habit.leaf)
 
 
 def _tree(habit: Habit, height: float, rng: np.random.Generator) -> Grown:
-    lengths = habit.ratio ** np.arange(habit.forks + 1)
+    lengths = float(habit.ratio) ** np.arange(habit.forks + 1)
     # The trunk is longer than its share.
     lengths[0] *= 1.5
     lengths *= height / lengths.sum()
