@@ -17,7 +17,13 @@ from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
 from thurston_cl.image import Image
 from thurston_cl.krs import Model, curved
-from thurston_cl.krs.recipes.hyperbolic_forest import REGULAR_SIDE, doubled, hyperbolic_forest, pentagon
+from thurston_cl.krs.recipes.hyperbolic_forest import (
+    MOST_IRREGULAR,
+    REGULAR_SIDE,
+    doubled,
+    hyperbolic_forest,
+    pentagon,
+)
 from thurston_cl.krs.sequence import Sequence as KernelSequence
 from thurston_cl.program import geometry_parts
 from thurston_cl.scene import load_text
@@ -443,7 +449,7 @@ def axis_points(kernel: Mapping[str, Any]) -> list[Array]:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_a_pentagon_has_right_angles(seed: int) -> None:
-    a, b = REGULAR_SIDE * (1 + 0.14 * np.random.default_rng(seed).uniform(-1, 1, 2))
+    a, b = REGULAR_SIDE * (1 + MOST_IRREGULAR * np.random.default_rng(seed).uniform(-1, 1, 2))
     sides = np.array(pentagon(float(a), float(b)))
     products = sides @ METRIC @ sides.T
     np.testing.assert_allclose(np.diag(products), 1, atol=1e-12)
@@ -462,6 +468,8 @@ def test_a_pentagon_has_right_angles(seed: int) -> None:
 def test_sides_that_are_too_short_make_no_pentagon() -> None:
     with pytest.raises(ValueError, match=r"no right-angled pentagon has neighboring sides of 0\.8 and 0\.9"):
         pentagon(0.8, 0.9)
+    least = REGULAR_SIDE * (1 - MOST_IRREGULAR)
+    assert len(pentagon(least, least)) == 5
 
 
 def test_the_polygon_stays_right_angled_and_doubles() -> None:

@@ -61,6 +61,15 @@ class KernelCapsule(Node):
     to: Point = Field(description="The other end.")
     radius: Positive = Field(description="The distance.")
 
+    def check(self, context: Context) -> Iterator[Problem]:
+        if self.start == self.to:
+            yield Problem(("to",), "a capsule does not end where it begins", "write 'ball' for a ball")
+        if context.geometry in PRODUCTS and isinstance(self.start, tuple) and isinstance(self.to, tuple):
+            (x, y, _), (*beside, z) = self.start, self.to
+            if beside != [x, y]:
+                message = f"in {context.geometry} the capsules of a sequence stand along the fiber"
+                yield Problem(("to",), message, f"write [{x:g}, {y:g}, {z:g}], over its other end")
+
 
 class KernelArc(Node):
     """All points within a distance of an arc of a circle: a bent branch. In e3."""

@@ -14,7 +14,7 @@ from .base import Problem, problem, shown
 from .context import Context
 from .krs_recipe import Recipe
 from .surfaces import Material, MaterialValue
-from .values import Angle, Number, Positive, Ratio, Says, Seed, color, whole_number
+from .values import Angle, Number, Positive, Ratio, Says, Seed, Weight, color, whole_number
 
 
 def _from_five_to_sixty(angle: float) -> float:
@@ -34,7 +34,6 @@ Doublings = Annotated[int, Ge(1), Le(30), BeforeValidator(whole_number), Says("w
 Forks = Annotated[int, Ge(1), Le(12), BeforeValidator(whole_number), Says("whole number from 1 to 12")]
 Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole number from 0 to 8")]
 Spread = Annotated[Angle, AfterValidator(_from_five_to_sixty), Says("angle from 5 deg to 60 deg")]
-Irregular = Annotated[Number, Ge(0), Le(0.14), Says("number from 0 to 0.14")]
 Width = Annotated[Number, AfterValidator(_not_negative), Says("number ≥ 0")]
 
 
@@ -58,8 +57,8 @@ class HyperbolicForest(Recipe):
 
     doublings: Doublings = Field(
         default=22,
-        description="Mirrors on the ground: there are 2^doublings trees. 10 reach about 2 around the first, 22 "
-        "about 3.",
+        description="Mirrors on the ground: there are 2^doublings trees. 10 reach about 2 around the first, "
+        "22 about 3.",
     )
     height: Positive = Field(
         default=0.9,
@@ -86,8 +85,8 @@ class HyperbolicForest(Recipe):
         default=0.03,
         description="Diameter of the walls between the cells, half above the ground; 0 has none.",
     )
-    irregular: Irregular = Field(
-        default=0.12, description="How different the sides of a cell are; 0 is the regular pentagon."
+    irregular: Weight = Field(
+        default=0.8, description="How different the sides of a cell are; 0 is the regular pentagon."
     )
     seed: Seed = Field(default=0, description="Another number is another forest.")
     bark: MaterialValue = Field(

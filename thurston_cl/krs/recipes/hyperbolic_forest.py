@@ -27,6 +27,8 @@ METRIC = np.diag([-1.0, 1.0, 1.0, 1.0])
 ORIGIN = np.array([1.0, 0.0, 0.0, 0.0])
 # The side of the regular right-angled pentagon: cosh is the golden ratio.
 REGULAR_SIDE = math.acosh(0.5 * (1 + math.sqrt(5)))
+# By how much of it two neighboring sides may differ from it: both shorter by a sixth do not go together.
+MOST_IRREGULAR = 0.14
 # Walls end so far from the foot of the first tree on them: beyond, a wall is finer than a pixel.
 LONGEST_WALL = 5.0
 # Sides that are known beyond those that are doubled, for walls to end at.
@@ -50,7 +52,7 @@ def hyperbolic_forest(
     taper: float = 0.74,
     leaf_size: float = 0.05,
     wall: float = 0.03,
-    irregular: float = 0.12,
+    irregular: float = 0.8,
     seed: int = 0,
 ) -> Record:
     """The record of a forest on the ground z = 0, its first tree at the origin.
@@ -65,17 +67,15 @@ def hyperbolic_forest(
     taper      thickness of a branch in that of the one before it
     leaf_size  diameter of a leaf
     wall       diameter of the walls between cells, half above the ground; 0 leaves them out
-    irregular  from 0, the regular pentagon, up to 0.14
+    irregular  from 0, the regular pentagon, up to 1
     seed       of the random numbers
 
     "mat" is 0 for bark, 1 for leaves, 2 for the ground, 3 for walls. The record has foliage + forks +
     doublings mirrors.
     """
     rng = np.random.default_rng(seed)
-    sides = pentagon(
-        REGULAR_SIDE * (1 + irregular * rng.uniform(-1, 1)),
-        REGULAR_SIDE * (1 + irregular * rng.uniform(-1, 1)),
-    )
+    first, second = REGULAR_SIDE * (1 + MOST_IRREGULAR * irregular * rng.uniform(-1, 1, 2))
+    sides = pentagon(float(first), float(second))
     shape = Habit(forks, foliage, spread, ratio, 0.5 * thickness, taper, 0.5 * leaf_size)
     tree = _fitting(shape, height, sides, int(rng.integers(2**32)))
     mirrors, kernels = list(tree.mirrors), list(tree.kernels)
