@@ -317,7 +317,8 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         # What several patterns call comes first.
         *sorted(under("pattern"), key=lambda part: part != "pattern/color_in_turn.h"),
         "march.h",
-        *under("march"),
+        # What a tracer calls comes first.
+        *sorted(under("march"), key=lambda part: part != "march/stretch.h"),
         "march/loop.h",
         *under("cells.h"),
         # What each projection starts from, and then in the order of the alphabet.
