@@ -200,13 +200,19 @@ class MoebiusSequence(_Levels):
         return self._packed(level_balls=False)
 
     def _packed(self, *, level_balls: bool) -> list[float]:
-        numbers = [float(self.levels)]
+        none = [0.0, 0.0, 0.0, -1.0]
+
+        def held(level: int) -> list[float]:
+            """The ball that holds a level, where it has one."""
+            every = (self.levels - level) % LEVELS_BETWEEN_BALLS == 0
+            if not (level_balls and every and len(self._balls[level].radii)):
+                return none
+            center, radius = self._balls[level].enclosing()
+            return [*center, radius]
+
+        numbers = [float(self.levels), *held(self.levels)]
         for i in range(self.levels - 1, -1, -1):
-            ball = self._held[i]
-            held = [0.0, 0.0, 0.0, -1.0]
-            if level_balls and len(self._balls[i].radii) and (self.levels - i) % LEVELS_BETWEEN_BALLS == 0:
-                held = [*ball[0], ball[1]]
-            numbers += [*self.maps[i].inverse.numbers, self.widths[i], *held, *self.kernels[i + 1].numbers]
+            numbers += [*self.maps[i].inverse.numbers, self.widths[i], *held(i), *self.kernels[i + 1].numbers]
         return numbers + self.kernels[0].numbers
 
     @property
@@ -227,10 +233,6 @@ class MoebiusSequence(_Levels):
             whole = levels[-1].mirrored(np.array([1.0, 0.0, 0.0]), 0.0).with_ball(kernel.ball)
             levels.append(whole.mapped(map_.sphere_image))
         return levels
-
-    @cached_property
-    def _held(self) -> list[tuple[Array, float]]:
-        return [balls.enclosing() for balls in self._balls]
 
     def clipped(self) -> list[tuple[int, float]]:
         """Kernels that reach beyond their own mirror; here only K_0 stands in the same space as its
