@@ -1,0 +1,82 @@
+"""From a kernel-reflection sequence to a Möbius one: parts that mirrors would make equal are bent each in its
+own way (Szécsi et al., section 6)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from .folds import unit
+from .kernels import moved
+from .moebius import Array, bend, composed, rotation, translation
+
+# The points of kernels that are branches, from end to end.
+_ENDS = {"capsule": "ab", "torcap": "pmq"}
+
+
+def moebius_of(record: Mapping[str, Any], *, strength: float = 0.2, seed: int = 1) -> dict[str, Any]:
+    """The Möbius record of a record whose mirrors go through forks, each part bent about its root.
+
+    `strength`: how near to a part its pole is, as a part of the reach of its branches; 0 bends nothing, 0.6
+    is wild. What is joined stays joined. ValueError if the record is not one of mirrors.
+    """
+    if "mirrors" not in record or "space" in record:
+        raise ValueError("only a sequence of mirrors in Euclidean space is made a Möbius one")
+    if not 0 <= strength < 1:
+        raise ValueError(f"the strength of bending is from 0 to less than 1, not {strength:g}")
+    random = np.random.default_rng(seed)
+    kernels = record["kernels"]
+    reach, ends = _measured(kernels[0])
+    root = ends[-1] if ends else np.zeros(3)
+    frames, bends = [], []
+    for mirror, kernel in zip(record["mirrors"], kernels[1:], strict=True):
+        normal, offset = np.asarray(mirror["u"], dtype=float), float(mirror["w"])
+        # The fork is where the branch meets the mirror, and its other end the root of all that it carries.
+        length, ends = _measured(kernel)
+        reach += length
+        ends = sorted(ends or [root], key=lambda end: abs(float(normal @ end) - offset))
+        fork, root = ends[0], ends[-1]
+        frames.append((_turn(normal), fork - (float(normal @ fork) - offset) * normal))
+        if reach == 0 and strength > 0:
+            raise ValueError("only what has branches is bent: kernels with an end, not planes alone")
+        by = strength * random.uniform(0.6, 1.0) * unit(random.normal(size=3)) / (reach or 1.0)
+        bends.append(composed(translation(root), bend(by), translation(-root)))
+
+    # From the space in which mirror i is x = 0 to the world, bent there, and to that of the next mirror.
+    maps = []
+    for i, (turn, fork) in enumerate(frames):
+        to_world = composed(translation(fork), rotation(turn))
+        if i + 1 < len(frames):
+            next_turn, next_fork = frames[i + 1]
+            maps.append(composed(rotation(next_turn.T), translation(-next_fork), bends[i], to_world))
+        else:
+            maps.append(composed(bends[i], to_world))
+    # The innermost kernel is given in the space of the same mirror as that after it.
+    spaces = [frames[max(0, level - 1)] for level in range(len(kernels))]
+    return {
+        "G": np.array(maps).tolist(),
+        "kernels": [
+            moved(kernel, turn.T, -turn.T @ fork)
+            for kernel, (turn, fork) in zip(kernels, spaces, strict=True)
+        ],
+    }
+
+
+def _measured(kernel: Mapping[str, Any]) -> tuple[float, list[Array]]:
+    """How far a kernel reaches from one end of it, and its ends: of a leaf its center, of a plane none."""
+    kind = kernel["type"]
+    if kind in ("capsule", "torcap"):
+        first, *middle, last = (np.asarray(kernel[key], dtype=float) for key in _ENDS[kind])
+        length = float(np.linalg.norm(last - first))
+        if middle:
+            length += float(np.linalg.norm(middle[0] - (first + last) / 2))
+        return length + 2 * kernel["r"], [first, last]
+    if kind in ("sphere", "lens"):
+        return 2 * kernel["r" if kind == "sphere" else "b"], [np.asarray(kernel["c"], dtype=float)]
+    return 0.0, []
+
+
+def _turn(normal: Array) -> Array:
+    """A rotation that takes x to the normal."""
+    side = unit(np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))]))
+    return np.column_stack([normal, side, np.cross(normal, side)])

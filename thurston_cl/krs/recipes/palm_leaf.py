@@ -1,0 +1,90 @@
+"""The frond of a palm as a Möbius sequence, so that it bends and no leaflet equals another (Szécsi et al.,
+section 6 and figure 13)."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from .folds import EMPTY, unit
+from .kernels import spindle
+from .moebius import Array, applied, bend, composed, dilation, rotation, translation
+
+MOST_DOUBLINGS = 12
+_X, _Y, _Z = np.eye(3)
+_STEP = 1e-4  # between the points that tell which way the midrib goes, in distances between leaflets
+
+
+def palm_leaf(
+    *,
+    length: float = 1.0,
+    doublings: int = 5,
+    leaflets: float = 0.45,
+    width: float = 0.28,
+    hang: float = math.radians(23),
+    droop: float = 0.5,
+    taper: float = 0.7,
+    fullness: float = 0.9,
+    uneven: float = 0.06,
+    stalk: float = 0.25,
+    seed: int = 3,
+) -> dict[str, Any]:
+    """The Möbius record of a frond whose blade begins at the origin and grows along x; up is z.
+
+    `length` of the blade, straight from end to end. 2^`doublings` leaflets on either side. About how long is
+    the longest of these, `leaflets`, and the `stalk`, in lengths of the midrib before it is bent; how wide,
+    in distances between them. `hang`: how far they slope down from the midrib, in radians. `droop`: how
+    strongly it bends down, `taper`: how strongly leaflets get smaller towards its end, `fullness`: towards
+    both ends; 0 to about 1. `uneven`: how strongly maps of the other levels bend and scale, each by chance.
+    Materials: 0 leaflets, 1 midrib. ValueError for a number of doublings not from 1 to MOST_DOUBLINGS.
+    """
+    if not 1 <= doublings <= MOST_DOUBLINGS:
+        raise ValueError(f"leaflets are doubled 1 to {MOST_DOUBLINGS} times, not {doublings} times")
+    random = np.random.default_rng(seed)
+    count = 2**doublings
+    blade = leaflets * (1 + fullness) * count
+
+    # Halves of one leaflet meet at x = 0; it grows along z from a piece of midrib along y, which is 1 long.
+    kernels = [
+        spindle((0, 0, 0), (0, 0, blade), width, 0.36 * width, _X, 0),
+        {"type": "capsule", "a": [0.0, -0.55, 0.0], "b": [0.0, 0.55, 0.0], "r": 0.2, "mat": 1},
+    ]
+    grown = np.array([0.0, math.cos(hang), math.sin(hang)])
+    before = rotation(np.column_stack([np.cross(_X, grown), _X, grown]))
+    # Where the piece of midrib ends, a point short of that, and both again at its other end.
+    rib = np.array([[0.5, 0, 0], [0.5 - _STEP, 0, 0], [-0.5, 0, 0], [-0.5 + _STEP, 0, 0]])
+
+    # Double the leaflets of one side: a mirror stands across the midrib where it ends.
+    maps = []
+    for i in range(doublings):
+        row = float(np.linalg.norm(rib[2] - rib[0]))
+        by_chance = uneven * random.normal(size=2) * (1.0, 0.5) / max(row, blade) if i else (0.0, 0.0)
+        full = fullness / row if i == doublings - 1 else 0.0
+        ending = composed(bend((by_chance[0] + full, 0, by_chance[1])), _at_end(rib))
+        maps.append(composed(ending, before))
+        left = applied(ending, rib[2:])
+        rib = np.concatenate([left * (-1, 1, 1), left])
+        before = rotation(np.eye(3))
+        kernels.append(EMPTY)
+
+    # Double the side; then bend the whole, all of it ahead of what goes to infinity.
+    to_side = composed(rotation(np.column_stack([-_Y, -_X, -_Z])), _at_end(rib))
+    tip = applied(to_side, rib[2])
+    reach = float(np.linalg.norm(tip))
+    maps.append(composed(to_side, before))
+    stem = {"type": "capsule", "a": [0.0, -stalk * reach, 0.0], "b": [0.0, 0.0, 0.0], "r": 0.24, "mat": 1}
+    kernels[-1] = EMPTY
+    kernels.append(stem)
+    sideways = 0.15 * random.choice((-1.0, 1.0))
+    whole = composed(
+        rotation(np.column_stack([-_Y, _X, _Z])), bend(np.array([sideways, -taper, droop]) / reach)
+    )
+    maps.append(composed(dilation(length / float(np.linalg.norm(applied(whole, tip)))), whole))
+    return {"G": np.array(maps).tolist(), "kernels": kernels}
+
+
+def _at_end(rib: Array) -> Array:
+    """The motion that takes the end of the midrib, in y = 0, to the origin and its direction there to x."""
+    ahead = unit(rib[0] - rib[1])
+    turn = np.array([[ahead[0], 0, ahead[2]], [0, 1, 0], [-ahead[2], 0, ahead[0]]])
+    return composed(rotation(turn), translation(-rib[0]))

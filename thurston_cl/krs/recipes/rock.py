@@ -1,0 +1,54 @@
+"""A rock: the unit sphere folded together until a plane is enough (Szécsi et al., figure 8 and section 9.1)."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from .folds import GATHERING, farthest_turn, fold, over_ball, sequence, unit
+
+_SAMPLES = 6000
+# All directions from afar end nearer to the one that it is folded to than this cosine, or the far side of the rock would be open.
+_NEAREST = 0.6
+# Between which spheres about the origin the surface lies, in radii.
+INNERMOST, OUTERMOST = 0.4, 1.8
+_ATTEMPTS = 400
+
+
+def rock(
+    *, radius: float = 1.0, levels: int = 14, roughness: float = 1.0, smooth: float = 1.0, seed: int = 4
+) -> dict[str, Any]:
+    """The record of a rock about the origin.
+
+    `radius`: about how far its surface is from the origin: 0.4 to 1.8 of it. `levels`: mirrors, 6 to 40; each one past 5 halves
+    the facets. `roughness`: 0 for a nearly round stone, 1 for a battered one, 2 for a heap. `smooth`: how far
+    shading hides the edges, 0 for facets. ValueError where no stone is closed.
+    """
+    if not GATHERING < levels <= 40:
+        raise ValueError(f"a rock has {GATHERING + 1} to 40 levels, not {levels}")
+    random = np.random.default_rng(seed)
+    for _ in range(_ATTEMPTS):
+        record = _attempt(random, radius, levels, roughness, smooth)
+        if record is not None:
+            return record
+    raise ValueError(f"no closed rock of roughness {roughness:g} found; take less roughness or another seed")
+
+
+def _attempt(
+    random: np.random.Generator, radius: float, levels: int, roughness: float, smooth: float
+) -> dict[str, Any] | None:
+    directions = unit(random.normal(size=(_SAMPLES, 3)))
+    points, mirrors, outward = over_ball(
+        random, directions, levels, 0.1 * roughness, math.radians(5 * roughness), 0.12
+    )
+    height = 0.97 * float((points @ outward).mean())
+    if farthest_turn(directions, mirrors, outward) < _NEAREST:
+        return None
+    inside, outside = INNERMOST * directions, OUTERMOST * directions
+    for normal, offset in mirrors:
+        inside, outside = fold(inside, normal, offset), fold(outside, normal, offset)
+    if not (inside @ outward).max() < height < (outside @ outward).min():
+        return None
+    plane = {"type": "plane", "n": outward.tolist(), "h": radius * height, "mat": 0}
+    widths = [0.07 * smooth * 0.68**i for i in range(levels)]
+    return sequence(mirrors, {0: plane}, radius, widths)

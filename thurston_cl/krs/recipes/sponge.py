@@ -1,0 +1,67 @@
+"""A sponge: rings around pores, folded over a ball and through its skin (Szécsi et al., figure 10)."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from .folds import GATHERING, farthest_turn, longest_axis, over_ball, sequence, tilted, unit
+
+_SAMPLES = 6000
+# All directions from afar end nearer to the one that it is folded to than this cosine, so that it is round.
+_NEAREST = 0.75
+_ATTEMPTS = 400
+# How far a ring is from closed, in radians: a toroidal capsule has two ends.
+_OPEN = 0.04
+
+
+def sponge(
+    *,
+    radius: float = 1.0,
+    levels: int = 14,
+    layers: int = 4,
+    threads: float = 0.5,
+    lumps: float = 1.0,
+    seed: int = 1,
+) -> dict[str, Any]:
+    """The record of a sponge about the origin.
+
+    `radius`: about how far its surface is from the origin. `levels`: mirrors, 7 to 40; each one more halves
+    the pores. `layers`: that many of them fold its skin, which has 2^`layers` layers of pores, 0 for a
+    shell. `threads`: how thick is what stands between pores, 0 to 1. `lumps`: 0 for a ball, 2 for a lump.
+    ValueError where no round one is found.
+    """
+    if not GATHERING + 2 + layers <= levels <= 40:
+        raise ValueError(
+            f"a sponge of {layers} layers has {GATHERING + 2 + layers} to 40 levels, not {levels}"
+        )
+    random = np.random.default_rng(seed)
+    directions = unit(random.normal(size=(_SAMPLES, 3)))
+    for _ in range(_ATTEMPTS):
+        points, mirrors, outward = over_ball(
+            random, directions, levels - layers, 0.15 * lumps, math.radians(4.5 * lumps), 0.3
+        )
+        if farthest_turn(directions, mirrors, outward) >= _NEAREST:
+            break
+    else:
+        raise ValueError(f"no round sponge of lumps {lumps:g} found; take fewer lumps or another seed")
+    center = points.mean(axis=0)
+    first = longest_axis(points, outward)
+    second = np.cross(outward, first)
+    # Of a rectangle in which points are uniform the sides are √12 standard deviations.
+    pore = math.sqrt(12 * float(((points - center) @ first).std() * ((points - center) @ second).std()))
+
+    # What is below the skin is folded out of it, layer upon layer.
+    for i in reversed(range(layers)):
+        below = tilted(-outward, first, random.normal(0, 0.05))
+        mirrors.append((below, float(-center @ outward + 0.45 * pore * 2**i)))
+    ring, thread = 0.54 * radius * pore, radius * pore * (0.1 + 0.3 * threads)
+    middle = radius * center
+    ends = [middle + ring * (math.cos(_OPEN) * first + s * math.sin(_OPEN) * second) for s in (1, -1)]
+    torus = {
+        "type": "torcap",
+        "p": ends[0].tolist(),
+        "q": ends[1].tolist(),
+        "m": (middle - ring * first).tolist(),
+    }
+    return sequence(mirrors, {0: torus | {"r": thread, "mat": 0}}, radius)
