@@ -30,7 +30,7 @@ def shrub(
     leaf_size: float = 0.12,
     seed: int = 0,
 ) -> Record:
-    """The record of a shrub around the origin of the ground z = 0, about 3 stems high and 6 wide.
+    """The record of a shrub around the origin of the ground z = 0, about 4 stems high and 7 wide.
 
     stems      how often stems are doubled: there are 2^stems
     levels     branches from a stem to a twig, both included
