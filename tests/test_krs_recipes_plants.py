@@ -222,7 +222,7 @@ def test_a_shrub_has_its_stems_in_the_last_of_equal_sectors() -> None:
     record = shrub(stems=4, seed=7)
     around = normals(record)[::-1][:4]
     assert (offsets(record)[::-1][:4] == 0).all()
-    assert (np.abs(around[:, 2]) < 0.16).all()
+    assert (np.abs(around[:, 2]) < 0.09).all()
     azimuths = np.radians(np.arange(0.05, 360, 0.1))
     circle = np.stack([np.cos(azimuths), np.sin(azimuths)])
     before = (around[:, :2] @ circle < 0).cumprod(axis=0)

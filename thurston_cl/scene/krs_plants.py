@@ -192,9 +192,9 @@ class Shrub(Plant):
         default=9, description="How many branches follow each other from a stem to a twig, both included."
     )
     spread: Spread = Field(
-        default=math.radians(22),
+        default=math.radians(26),
         description=_SPREAD.format("wider, by up to 20 deg"),
-        json_schema_extra={"default": "22 deg"},
+        json_schema_extra={"default": "26 deg"},
     )
     outwards: Outwards = Field(
         default=math.radians(28),
@@ -207,7 +207,7 @@ class Shrub(Plant):
     stem: Positive = Field(default=0.5, description="Length of a stem up to its first fork.")
     ratio: Ratio = Field(default=0.82, description=_RATIO)
     thickness: Positive = Field(default=0.05, description="Diameter of a stem.")
-    upright: Weight = Field(default=0.6, description=_UPRIGHT.format("balls"))
+    upright: Weight = Field(default=0.45, description=_UPRIGHT.format("balls"))
     leaves: Few = Field(default=3, description=_LEAVES)
     leaf_size: Positive = Field(default=0.12, alias="leaf-size", description="Diameter of a leaf.")
     seed: Seed = Field(default=0, description=_SEED.format("shrub"))

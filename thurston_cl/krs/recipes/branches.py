@@ -229,7 +229,7 @@ def foliage(
     def leaf(level: int, outwards: Vector) -> Record:
         reach = unit(outwards + rng.uniform(0.2, 0.9) * along)
         face = across(reach, along)
-        roll = rng.uniform(0.3, 1.0) * rng.choice([-1, 1])
+        roll = rng.uniform(0.7, 1.3) * rng.choice([-1, 1])
         normal = math.cos(roll) * face + math.sin(roll) * np.cross(reach, face)
         # One behind the other along the twig, around its end, their stalks at the twig.
         stalk = route.forks[-1] + radius * (level - 0.5 * (levels - 1)) * along
