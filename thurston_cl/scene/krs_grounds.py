@@ -53,7 +53,7 @@ _ONE_MATERIAL = {"color": "write 'material: {color: ...}'"} | _AT
 
 def _degrees(default: float, description: str) -> Any:
     """A field that holds an angle, with a default that the reference shows in degrees."""
-    shown = {"default": f"{default:g} deg"}
+    shown: dict[str, Any] = {"default": f"{default:g} deg"}
     return Field(default=math.radians(default), description=description, json_schema_extra=shown)
 
 
@@ -115,8 +115,8 @@ class Terrain(Ground):
 
     form: Literal["land", "seabed"] = Field(
         default="land",
-        description="What it is like unless other keys say so: `land`, or the `seabed`, which is gentle and has "
-        "ripples of sand that run along y: size 60, levels 14, roughness 1 deg, slope 9 deg, steepest "
+        description="What it is like unless other keys say so: `land`, or the `seabed`, which is gentle and "
+        "has ripples of sand that run along y: size 60, levels 14, roughness 1 deg, slope 9 deg, steepest "
         "18 deg, wander 10 deg, ripples 4 and seed 3.",
     )
     size: Positive = Field(default=300.0, description="Side of the square, its middle at the origin.")
