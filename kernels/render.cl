@@ -13,6 +13,8 @@
 #define RECORD_END 3
 #define RECORD_POINT 4
 #define RECORD_VECTOR 8
+// Where rays start by blocks, the pixel's share of the distances that its block asked for; until it is marched, t is where it starts.
+#define RECORD_SHARE 12
 
 // Channels of a tile. Sums run over the samples of a pixel, the others belong to its first sample.
 #define SUM_COLOR 0
@@ -37,7 +39,7 @@
                         __global const scalar *texels
 #define TILE_ARGUMENTS left, top, right, bottom, width, shift_x, shift_y
 
-FN ray start(lane_int id, scene_data scene, TILE)
+FN ray start(lane_int id, __global const scalar *records, int stride, scene_data scene, TILE)
 {
   lane_int inner_id = id & 15, block = id >> 4;
   int blocks = width >> 2;
@@ -48,22 +50,29 @@ FN ray start(lane_int id, scene_data scene, TILE)
 #ifdef ROUND_PICTURE
   r.active &= in_picture(x + REAL(C(0.5)), y + REAL(C(0.5)), scene);
 #endif
+#ifdef BLOCK_START
+  int_lanes ids;
+  real_lanes t;
+  ids.lanes = id;
+  for (int lane = 0; lane < LANES; lane++) t.at[lane] = records[(size_t)RECORD_T * stride + ids.at[lane]];
+  r = moved_by(r, t.lanes, scene);
+#endif
   return r;
 }
 
-FN real end_of(ray r, mask out_of_steps) { return SELECT(r.hit, REAL(1), SELECT(out_of_steps, REAL(2), REAL(0))); }
+FN real end_of(ray r) { return SELECT(r.hit, REAL(1), SELECT(r.spent, REAL(2), REAL(0))); }
 
 // One work-item marches one packet of LANES neighbouring pixels until the last ray has ended.
 __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_steps, SCENE_ARGUMENTS)
 {
   scene_data scene = {numbers, next_cell, seen_from, texels};
   size_t packet = get_global_id(0);
-  ray r = start((int)packet * LANES + LANE_IDS, scene, TILE_ARGUMENTS);
+  ray r = start((int)packet * LANES + LANE_IDS, records, stride, scene, TILE_ARGUMENTS);
   march(&r, number(scene, FAR), max_steps, scene);
   STORE(r.t, packet, records + (size_t)RECORD_T * stride);
   STORE(r.steps, packet, records + (size_t)RECORD_STEPS * stride);
   STORE(r.cell, packet, records + (size_t)RECORD_CELL * stride);
-  STORE(end_of(r, r.active), packet, records + (size_t)RECORD_END * stride);
+  STORE(end_of(r), packet, records + (size_t)RECORD_END * stride);
   real4_lanes four[2] = {r.p, r.v};
   for (int k = 0; k < 2; k++) {
     __global scalar *to = records + (size_t)(RECORD_POINT + 4 * k) * stride;
@@ -74,25 +83,6 @@ __kernel void trace_packet(__global scalar *records, int stride, TILE, int max_s
   }
 }
 
-// Marches until of the lanes that `owns` names `enough` have ended, or all. *age counts their steps: lanes that reach
-// max_steps end, and are *out_of_steps. Not inlined, as march.
-SOLVER void march_some(ray *from, real *age, mask *out_of_steps, mask owns, int enough, int max_steps, scene_data scene)
-{
-  ray r = *from;
-  real steps = *age;
-  mask old, ended = *out_of_steps;
-  do {
-    r = march_step(r, number(scene, FAR), scene);
-    steps += REAL(1);
-    old = r.active & NOT(steps < REAL(max_steps));
-    ended |= old;
-    r.active &= NOT(old);
-  } while (COUNT(owns & NOT(r.active)) < enough && ANY(r.active));
-  *from = r;
-  *age = steps;
-  *out_of_steps = ended;
-}
-
 // One work-item owns `chunk` consecutive pixels; when a quarter of its lanes have ended, it records them and gives those
 // lanes the next pixels. Better where the lengths of rays in a packet differ much.
 __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_steps, SCENE_ARGUMENTS, int chunk)
@@ -101,16 +91,16 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
   int first = (int)get_global_id(0) * chunk, next = first + LANES, end = first + chunk;
   int_lanes id;
   id.lanes = first + LANE_IDS;
-  ray r = start(id.lanes, scene, TILE_ARGUMENTS);
+  ray r = start(id.lanes, records, stride, scene, TILE_ARGUMENTS);
   mask_lanes owns, ended;
   owns.lanes = r.t == r.t;
-  mask out_of_steps = NOT(owns.lanes);
-  real age = REAL(0);
+  progress at = begin(r, scene);
   for (;;) {
-    march_some(&r, &age, &out_of_steps, owns.lanes, (LANES + 3) / 4, max_steps, scene);
+    march_some(&r, &at, owns.lanes, (LANES + 3) / 4, max_steps, scene);
     ended.lanes = owns.lanes & NOT(r.active);
-    real_lanes values[12] = {{r.t}, {r.steps}, {r.cell}, {end_of(r, out_of_steps)}, {r.p.x}, {r.p.y}, {r.p.z}, {r.p.w},
-                             {r.v.x}, {r.v.y}, {r.v.z}, {r.v.w}};
+    ray e = arrived(r, at);
+    real_lanes values[12] = {{e.t}, {e.steps}, {e.cell}, {end_of(e)}, {e.p.x}, {e.p.y}, {e.p.z}, {e.p.w},
+                             {e.v.x}, {e.v.y}, {e.v.z}, {e.v.w}};
     for (int lane = 0; lane < LANES; lane++)
       if (ended.at[lane]) {
         for (int c = 0; c < 12; c++) records[(size_t)c * stride + id.at[lane]] = values[c].at[lane];
@@ -120,16 +110,16 @@ __kernel void trace_refill(__global scalar *records, int stride, TILE, int max_s
     if (!ANY(owns.lanes)) break;
     mask fresh = ended.lanes & owns.lanes;
     if (ANY(fresh)) {
-      ray begun = start(id.lanes, scene, TILE_ARGUMENTS);
+      ray begun = start(id.lanes, records, stride, scene, TILE_ARGUMENTS);
       r.p = select_4(fresh, begun.p, r.p);
       r.v = select_4(fresh, begun.v, r.v);
-      r.t = SELECT(fresh, REAL(0), r.t);
+      r.t = SELECT(fresh, begun.t, r.t);
       r.steps = SELECT(fresh, REAL(0), r.steps);
       r.cell = SELECT(fresh, begun.cell, r.cell);
       r.hit &= NOT(fresh);
       r.active = (fresh & begun.active) | (NOT(fresh) & r.active);
-      out_of_steps &= NOT(fresh);
-      age = SELECT(fresh, REAL(0), age);
+      r.spent &= NOT(fresh);
+      at = select_progress(fresh, begin(begun, scene), at);
     }
   }
 }
@@ -158,6 +148,9 @@ __kernel void shade(__global const scalar *records, __global scalar *pixels, int
   mask out_of_steps = record[RECORD_END] > REAL(1);
   work done = {REAL(0), REAL(0), REAL(0), record[RECORD_STEPS]};
   done.distances += SELECT(NOT(out_of_steps) & (r.hit | (r.t > REAL(0))), REAL(1), REAL(0));
+#ifdef BLOCK_START
+  done.distances += LOAD(packet, records + (size_t)RECORD_SHARE * stride);
+#endif
   look first;
   real3_lanes seen = scene_seen(r, &first, max_steps, scene, &done);
 

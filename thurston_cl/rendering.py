@@ -66,7 +66,7 @@ _PLACES = {
     "cell": (17,),
 }
 _TILE_CHANNELS = 18
-_RECORD_COMPONENTS = 12
+_RECORD_COMPONENTS = 13
 
 
 def render(
@@ -238,9 +238,9 @@ class TileRenderer:
         self._next_cell = cl.Buffer(device.context, flags, hostbuf=np.ascontiguousarray(plan.next_cell))
         self._seen_from = cl.Buffer(device.context, flags, hostbuf=plan.seen_from.astype(self.dtype))
         self._texels = cl.Buffer(device.context, flags, hostbuf=self._checked_texels())
-        self._kernels = {
-            name: cl.Kernel(self.program, name) for name in ("trace_packet", "trace_refill", "shade")
-        }
+        self._by_blocks = "block_start.cl" in plan.parts
+        names = ("trace_packet", "trace_refill", "shade", *(("trace_blocks",) if self._by_blocks else ()))
+        self._kernels = {name: cl.Kernel(self.program, name) for name in names}
         self._side = TILE_SIDE.get(device.info.kind, TILE_SIDE_ELSEWHERE)
         self._room = 0
         self.look_through(0)
@@ -311,6 +311,10 @@ class TileRenderer:
         self._make_room(tile.pixels)
         corners = (tile.left, tile.top, tile.left + tile.width, tile.top + tile.height)
         place = (*map(np.int32, corners), np.int32(tile.padded[0]), *map(self.dtype.type, shift))
+        if self._by_blocks:
+            items = tile.pixels // (16 * self.lanes)
+            group = LOCAL_SIZE if items % LOCAL_SIZE == 0 else 1
+            self._launch("trace_blocks", items, group, self._records, np.int32(tile.pixels), *place)
         if finish == "packet":
             self._launch(
                 "trace_packet",

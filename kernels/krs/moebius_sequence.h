@@ -13,14 +13,19 @@
 #define MOEBIUS_KERNEL (BALL_PLACE + 4)
 #define MOEBIUS_LEVEL (MOEBIUS_KERNEL + KERNEL_SIZE)
 
-// The radius in the world of the free ball that something at distance d leaves.
-FN real free_radius(real d, real a, real b) { return d / fma(b, fmax(d, REAL(0)), a); }
+// The radius in the world of the free ball that something at distance d leaves: d over this.
+FN real radius_divisor(real d, real a, real b) { return fma(b, fmax(d, REAL(0)), a); }
 
-// The bound with the kernel of a record taken into account; no closer than what lies inside the ball that holds it.
-FN real bounded_by(real bound, point x, real a, real b, real outside, scene_data scene, int k)
+// The least radius so far, as a fraction: comparing takes products, where a quotient at each level would cost as much as a kernel.
+typedef struct { real numerator, divisor; } least_radius;
+
+FN void leave_room_for(least_radius *least, point x, real a, real b, scene_data scene, int k)
 {
-  if (!(scene.numbers[k] > 0)) return bound;
-  return fmin(bound, fmax(free_radius(kernel_distance(x, scene, k), a, b), outside));
+  if (!(scene.numbers[k] > 0)) return;
+  real d = kernel_distance(x, scene, k), divisor = radius_divisor(d, a, b);
+  mask less = d * least->divisor < least->numerator * divisor;
+  least->numerator = SELECT(less, d, least->numerator);
+  least->divisor = SELECT(less, divisor, least->divisor);
 }
 
 FN point mirrored(point x)
@@ -32,23 +37,28 @@ FN point mirrored(point x)
 SOLVER real moebius_sequence_distance_at(const point *p, scene_data scene, int k)
 {
   point x = *p;
+  // Up to the next ball, which says how far all that follows is at least.
+  least_radius none = {REAL(INFINITY), REAL(1)}, least = none;
   real a = REAL(1), b = REAL(0), bound = REAL(INFINITY), outside = REAL(-INFINITY);
   int levels = (int)scene.numbers[k++];
   for (int i = 0; i < levels; i++, k += MOEBIUS_LEVEL) {
     pole_view v = seen_from_pole(x, scene, k);
-    if (scene.numbers[k] > 0) b = fma(a, rsqrt(v.distance_square), b);
     real share = REAL(1) / v.distance_square;
+    if (scene.numbers[k] > 0) b = fma(a, sqrt(share), b);
     a *= number(scene, k + 16) * share;
     x = turned_and_moved(v.from_pole, share, scene, k);
-    bound = bounded_by(bound, x, a, b, outside, scene, k + MOEBIUS_KERNEL);
+    leave_room_for(&least, x, a, b, scene, k + MOEBIUS_KERNEL);
     x = mirrored(x);
     if (scene.numbers[k + BALL_PLACE + 3] >= 0) {
-      direction d = add_scaled_3(first_3(x), three_numbers(scene, k + BALL_PLACE), REAL(-1));
-      outside = fmax(outside, free_radius(sqrt(dot_3(d, d)) - number(scene, k + BALL_PLACE + 3), a, b));
+      bound = fmin(bound, fmax(least.numerator / least.divisor, outside));
+      least = none;
+      direction from = add_scaled_3(first_3(x), three_numbers(scene, k + BALL_PLACE), REAL(-1));
+      real d = sqrt(dot_3(from, from)) - number(scene, k + BALL_PLACE + 3);
+      outside = fmax(outside, d / radius_divisor(d, a, b));
     }
   }
-  bound = bounded_by(bound, x, a, b, outside, scene, k);
-  return distance_at(x, bound);
+  leave_room_for(&least, x, a, b, scene, k);
+  return distance_at(x, fmin(bound, fmax(least.numerator / least.divisor, outside)));
 }
 
 FN real moebius_sequence_distance(point p, scene_data scene, int k) { return moebius_sequence_distance_at(&p, scene, k); }

@@ -20,6 +20,7 @@ FN look look_at(ray r, real length, int max_steps, scene_data scene, work *done)
   direction g = pull_covector(r.p, gradient), u = pull(r.p, r.v);
   l.s.p = r.p;
   l.s.cell = r.cell;
+  l.s.way = length;
   l.s.normal = scale_3(g, rsqrt(dot_3(g, g)));
   l.s.viewer = scale_3(u, -rsqrt(dot_3(u, u)));
   real3_lanes lit;

@@ -2,6 +2,7 @@
 typedef struct {
   point p;          // the surface point
   real cell;        // the cell it is seen in
+  real way;         // the length of the way from the eye to it
   real object;      // the number of the object it belongs to
   direction normal; // unit, outwards
   direction viewer; // unit, where the ray came from

@@ -25,6 +25,6 @@ FN real3_lanes seen_with_reflections(ray r, look *first, int depth, int max_step
     done->reflection_steps += r.steps;
     done->distances += distances_of(r, open);
     // One out of steps shows what it came nearest to, as a first ray does.
-    r.hit |= r.active;
+    r.hit |= r.spent;
   }
 }

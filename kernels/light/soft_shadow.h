@@ -5,16 +5,18 @@
 SOLVER void march_softly(ray *from, real limit, int max_steps, scene_data scene, real *least_of_all)
 {
   ray r = *from;
+  progress at = begin(r, scene);
   real least = REAL(INFINITY);
-  for (int i = 0; i < max_steps && ANY(r.active); i++) {
+  while (ANY(r.active)) {
     ray before = r;
-    r = march_step(r, limit, scene);
-    real clear = scene_clearance(before.p, r.clear, scene);
-    mask nearer = before.active & (clear < least * before.t);
-    least = SELECT(nearer, clear / before.t, least);
+    r = march_step(r, &at, limit, max_steps, scene);
+    ray asked = measured(before, r, at);
+    real clear = scene_clearance(asked.p, r.clear, scene);
+    mask nearer = asked.active & (clear < least * asked.t);
+    least = SELECT(nearer, clear / asked.t, least);
   }
   *least_of_all = SELECT(r.hit, REAL(0), least);
-  *from = r;
+  *from = arrived(r, at);
 }
 
 FN void soft_shadow(shadow_ray q, arrival *a, real sharpness, int max_steps, scene_data scene, work *done)

@@ -28,6 +28,8 @@ _KEYS = {
 _IGNORED = ("points", "true", "folded", "separated", "bound", "probes", "rays")
 # A normal longer or shorter by this much is no unit vector written with few digits.
 OFF_UNIT = 1e-6
+# A message names no more kernels than these.
+_MOST_TOLD = 6
 
 
 def sequence_of(record: Mapping[str, Any]) -> KernelSequence | MoebiusSequence:
@@ -59,7 +61,8 @@ def sequence_of(record: Mapping[str, Any]) -> KernelSequence | MoebiusSequence:
         found = MoebiusSequence(tuple(map(_map, range(len(steps)), steps)), widths, _kernels(kernels))
     else:
         found = KernelSequence("e3", _mirrors(steps, widths), _kernels(kernels))
-    _tell_of_clipping(found)
+    if told := clipping_in_words(found):
+        warnings.warn(told, stacklevel=3)
     return found
 
 
@@ -125,13 +128,12 @@ def _map(level: int, matrix: Any) -> moebius.Map:
         raise ValueError(f"G of level {level}: {error}") from None
 
 
-def _tell_of_clipping(sequence: KernelSequence | MoebiusSequence) -> None:
-    clipped = sequence.clipped()
-    if clipped:
-        told = [f"{i} ({'without bound' if np.isinf(by) else f'by {by:.3g}'})" for i, by in clipped]
-        warnings.warn(
-            f"{'kernels' if len(told) > 1 else 'kernel'} {', '.join(told)} "
-            f"{'reach' if len(told) > 1 else 'reaches'} beyond the mirror of the same number; "
-            "what is there is clipped",
-            stacklevel=4,
-        )
+def clipping_in_words(sequence: KernelSequence | MoebiusSequence) -> str | None:
+    """Which kernels reach beyond their mirrors, and by how much; None where none does."""
+    told = [f"{i} ({'without bound' if np.isinf(by) else f'by {by:.3g}'})" for i, by in sequence.clipped()]
+    if not told:
+        return None
+    if len(told) > _MOST_TOLD:
+        told[_MOST_TOLD - 1 :] = [f"and {len(told) - _MOST_TOLD + 1} more"]
+    who = f"kernel {told[0]} reaches" if len(told) == 1 else f"kernels {', '.join(told)} reach"
+    return f"{who} beyond the mirror of the same number; what is there is clipped"

@@ -1,10 +1,13 @@
 """Kernel-reflection sequences as scenes write them: level by level, as Moebius sequences, or by a recipe."""
 
+import json
+import warnings
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
+from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, ValidationInfo, WithJsonSchema
 
+from thurston_cl.krs.record import sequence_of
 from thurston_cl.krs.sequence import MOST_LEVELS
 from thurston_cl.models import ISOTROPIC, PRODUCTS
 
@@ -12,7 +15,7 @@ from .base import Node, Problem, problem, shown
 from .context import Context, context_of
 from .krs_recipe import Recipe
 from .points import Point
-from .surfaces import Material, OptionalMaterial
+from .surfaces import Material, MaterialValue, OptionalMaterial
 from .values import Angle, AtLeast, Direction, Number, OneOrMore, Positive, Says, Vec3
 
 # Geometries with mirrors: totally geodesic planes across every direction, or across and along the fiber.
@@ -226,6 +229,37 @@ def _zones(value: Any, info: ValidationInfo) -> Any:
     return (Zone.model_validate(value, context=context_of(info)),)
 
 
+class Record:
+    """A record as `thurston_cl.krs.Model.from_dict` takes it, and the sequence it describes."""
+
+    def __init__(self, entries: Mapping[str, Any]) -> None:
+        with warnings.catch_warnings():
+            # Told of when the scene is rendered.
+            warnings.simplefilter("ignore")
+            self.sequence = sequence_of(entries)
+        self._text = json.dumps(entries)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Record) and other._text == self._text
+
+    def __hash__(self) -> int:
+        return hash(self._text)
+
+
+def _record(value: Any) -> Any:
+    if isinstance(value, Record):
+        return value
+    if not isinstance(value, Mapping):
+        raise problem(f"expected a mapping, found {shown(value)}", f"for example {_RECORD}")
+    try:
+        return Record(value)
+    except (TypeError, ValueError) as error:
+        raise problem(f"this record makes no sense: {error}", f"for example {_RECORD}") from None
+
+
+_RECORD = "record: {mirrors: [{u: [1, 0, 0], w: 0.5}], kernels: [{type: sphere, c: [0, 0, 0], r: 0.4}, {type: empty}]}"
+
+
 class Krs(Node):
     """A kernel-reflection sequence: a few kernels, doubled again and again by mirrors. Some ten levels
     make a tree, some twenty a forest; time grows with the levels, not with what they make.
@@ -233,7 +267,7 @@ class Krs(Node):
 
     what = "a sequence"
     example = "krs: {tree: {seed: 3}}"
-    one_of = ("levels", "moebius")
+    one_of = ("levels", "moebius", "record")
     hints: ClassVar[Mapping[str, str]] = {
         "mirrors": "write 'levels: [{mirror: ..., kernel: ...}, ...]', and 'kernel' for the innermost one",
         "material": "'material' stands beside 'krs', or with a kernel of its levels",
@@ -250,6 +284,21 @@ class Krs(Node):
         default=None,
         description=f"Conformal maps and kernels, the innermost level first; at most {MOST_LEVELS}. In e3.",
     )
+    record: Annotated[
+        Record | None,
+        PlainValidator(_record),
+        WithJsonSchema({"type": "object"}),
+        Says("a record: `{mirrors: ..., kernels: ...}` or `{G: ..., kernels: ...}`"),
+    ] = Field(
+        default=None,
+        description="The numbers of a sequence, as `thurston_cl.krs.Model.from_dict` takes them. In e3.",
+    )
+    made_of: tuple[MaterialValue, ...] = Field(
+        default=(),
+        alias="made-of",
+        description="Of a `record`: materials by the number `mat` of its kernels, from 0. Left out: "
+        "all is made of what the object is made of.",
+    )
     twist: Twist | None = Field(default=None, description="Twist it about its z-axis. In e3.")
     empty_zones: Annotated[
         tuple[Zone, ...],
@@ -261,14 +310,16 @@ class Krs(Node):
     @property
     def recipe(self) -> Recipe | None:
         """The recipe that makes it, if any does."""
-        found = (getattr(self, self.keys()[key]) for key in self.one_of if key not in ("levels", "moebius"))
-        return next((recipe for recipe in found if recipe is not None), None)
+        found = (getattr(self, self.keys()[key]) for key in self.one_of)
+        return next((recipe for recipe in found if isinstance(recipe, Recipe)), None)
 
     @property
     def materials(self) -> tuple[Material, ...]:
         """What its kernels are made of where that is not what the object is made of, each once."""
         if self.recipe is not None:
             return self.recipe.materials
+        if self.record is not None:
+            return self.made_of
         named = (kernel.material for _, kernel in self._kernels() if kernel is not None)
         return tuple(dict.fromkeys(material for material in named if material is not None))
 
@@ -290,12 +341,24 @@ class Krs(Node):
                 yield Problem(
                     (key,), f"at most {MOST_LEVELS} levels; these are {len(given)}", "leave some out"
                 )
-        if self.recipe is not None and self.kernel is not None:
-            message = "a recipe brings its kernels with it"
+        if self.kernel is not None and self.levels is None and self.moebius is None:
+            message = "a recipe or a record brings its kernels with it"
             yield Problem(("kernel",), message, "leave kernel out, or write levels", True)
-        if self.recipe is None and not any(kernel for _, kernel in self._kernels()):
+        explicit = self.levels is not None or self.moebius is not None
+        if explicit and not any(kernel for _, kernel in self._kernels()):
             message = "there is no kernel, so that there is nothing to double"
             yield Problem((), message, "add 'kernel: {ball: {radius: 0.1}}'")
+        if self.made_of and self.record is None:
+            message = "only the kernels of a record are made of what is listed here"
+            yield Problem(("made-of",), message, "leave it out", True)
+        if self.record is not None:
+            parts = max(kernel.part for kernel in self.record.sequence.kernels)
+            if self.made_of and parts >= len(self.made_of):
+                message = f"the record has mat {parts}, and there are {len(self.made_of)} materials"
+                yield Problem(("made-of",), message, f"list {parts + 1}")
+            if self.record.sequence.geometry != (geometry or self.record.sequence.geometry):
+                message = f"this record is of {self.record.sequence.geometry}, and the scene of {geometry}"
+                yield Problem(("record",), message, "write 'levels'", True)
         if self.moebius is not None:
             for path, kernel in self._kernels():
                 if kernel is not None and kernel.half_space is not None:

@@ -11,12 +11,11 @@ from thurston_cl.geometry import Geometry
 from thurston_cl.krs import curved, moebius
 from thurston_cl.krs.kernels import EMPTY, kernel_of
 from thurston_cl.krs.kernels import Kernel as SequenceKernel
-from thurston_cl.krs.record import sequence_of
 from thurston_cl.krs.sequence import Mirror as SequenceMirror
 from thurston_cl.krs.sequence import MoebiusSequence, Sequence
 from thurston_cl.models import PRODUCTS
 from thurston_cl.scene import schema
-from thurston_cl.scene.krs import Kernel, Krs, MapStep, Mirror
+from thurston_cl.scene.krs import Kernel, Krs, MapStep, Mirror, Record
 from thurston_cl.scene.surfaces import Material
 
 Array = NDArray[np.float64]
@@ -76,16 +75,15 @@ class _Points:
 
 @functools.lru_cache(maxsize=64)
 def _painted(krs: Krs, name: str, points: _Points) -> Painted:
-    recipe = krs.recipe
-    if recipe is not None:
-        import warnings
-
-        with warnings.catch_warnings():
-            # Recipes mean what their mirrors clip.
-            warnings.simplefilter("ignore")
-            sequence = sequence_of(recipe.record())
-        kernels = tuple(dataclasses.replace(kernel, part=kernel.part + 1) for kernel in sequence.kernels)
-        return Painted(dataclasses.replace(sequence, kernels=kernels), recipe.materials)
+    record = Record(krs.recipe.record()) if krs.recipe is not None else krs.record
+    if record is not None:
+        # Without materials every part is the object's own.
+        shift = 1 if krs.materials else None
+        kernels = tuple(
+            dataclasses.replace(kernel, part=0 if shift is None else kernel.part + shift)
+            for kernel in record.sequence.kernels
+        )
+        return Painted(dataclasses.replace(record.sequence, kernels=kernels), krs.materials)
 
     def made(kernel: Kernel | None) -> SequenceKernel:
         if kernel is None:

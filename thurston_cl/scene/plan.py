@@ -21,9 +21,11 @@ from thurston_cl.scene.cost import Cost, predict
 from thurston_cl.scene.near_walls import choose_near_walls
 from thurston_cl.scene.numbers import Numbers
 from thurston_cl.scene.placement import CameraFrame, Placement
+from thurston_cl.scene.tracer import tracer_of
 from thurston_cl.scene.write_camera import pixel_angle, write_camera
 from thurston_cl.scene.write_light import write_air, write_lights, write_seen
 from thurston_cl.scene.write_objects import needs_clearance, write_objects
+from thurston_cl.scene.write_tracer import write_tracer
 from thurston_cl.scene.write_walls import write_walls
 from thurston_cl.scene.writer import Writer
 
@@ -146,6 +148,7 @@ class Plan:
             "picture": f"{settings.size[0]} x {settings.size[1]}, {settings.samples} samples a pixel, "
             f"{settings.filter} filter, seed {settings.seed}",
             "steps": f"at most {settings.steps} a ray",
+            "tracer": _tracer_words(self.scene),
         }
 
 
@@ -169,12 +172,18 @@ def make_plan(
     geometry = for_few_points(scene.geometry, device)
     size = size or scene.render.size
     numbers = Numbers([scene.render.threshold, _far(scene), pixel_angle(scene.camera, size)])
+    detail = None if scene.render.detail is None else numbers.add([scene.render.detail])
     place = Placement(geometry)
     cells, next_cell = _cells(scene, wanted)
     writer = Writer(scene, geometry, numbers, choose_near_walls(scene), cells, switch)
     camera = _camera(scene, place)
 
+    tracer = tracer_of(scene).name
+    writer.parts.add(f"march/{tracer}.h")
+    if scene.render.start == "block":
+        writer.parts.add("block_start.cl")
     object_images = write_objects(writer)
+    write_tracer(writer, tracer)
     write_walls(writer)
     eyes = write_camera(writer, camera, size)
     objects = writer.text()
@@ -185,7 +194,7 @@ def make_plan(
     if writer.cell_ids:
         writer.parts.add("cells.h")
     generated = {"scene objects": objects, "scene light": light, "scene seen": writer.text()}
-    source = Source(_order(scene.geometry, writer.parts), _defines(writer), generated)
+    source = Source(_order(scene.geometry, writer.parts), _defines(writer, detail), generated)
     return Plan(
         scene,
         source,
@@ -212,6 +221,16 @@ def _krs_order(parts: Collection[str]) -> list[str]:
     after = [f"krs/{name}.h" for name in _AFTER_KERNELS if f"krs/{name}.h" in parts]
     kernels = sorted(part for part in parts if part.startswith("krs/") and part not in after)
     return [*sorted(kernels, key=lambda part: part != "krs/bulge.h"), *after]
+
+
+def _tracer_words(scene: schema.Scene) -> str:
+    tracer, settings = tracer_of(scene), scene.render
+    words = [f"{tracer.name}: {tracer.why}"]
+    if settings.detail is not None:
+        words.append(f"detail {settings.detail:g} pixels")
+    if settings.start == "block":
+        words.append("started by blocks of 4x4 pixels")
+    return ", ".join(words)
 
 
 def _camera_words(camera: schema.Camera) -> str:
@@ -255,9 +274,17 @@ def _cells(scene: schema.Scene, wanted: Collection[str]) -> tuple[NDArray[np.flo
     return cell_table(scene.lattice, CELL_TABLE)
 
 
-def _defines(writer: Writer) -> dict[str, str | int]:
-    """The defines that effects, a round picture and a lattice take."""
+def _defines(writer: Writer, detail: int | None) -> dict[str, str | int]:
+    """The defines that effects, a round picture, a lattice and tracers take; `detail`: the place of its
+    number.
+    """
     defines: dict[str, str | int] = {}
+    if detail is not None:
+        defines["DETAIL"] = detail
+    if "march/compound.h" in writer.parts:
+        defines["COMPONENTS"] = len(writer.scene.solids)
+    if "block_start.cl" in writer.parts:
+        defines["BLOCK_START"] = 1
     if "light/reflection.h" in writer.parts:
         defines["REFLECTIONS"] = 1
     if needs_clearance(writer):
@@ -290,6 +317,8 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         # What several patterns call comes first.
         *sorted(under("pattern"), key=lambda part: part != "pattern/color_in_turn.h"),
         "march.h",
+        *under("march"),
+        "march/loop.h",
         *under("cells.h"),
         # What each projection starts from, and then in the order of the alphabet.
         "camera/frame.h",
@@ -300,4 +329,5 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         *after,
         "scene seen",
         "render.cl",
+        *under("block_start.cl"),
     )

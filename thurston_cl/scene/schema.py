@@ -55,6 +55,7 @@ from .shapes import (
 from .source import Problems, SceneSource
 from .suggest import nearest
 from .surfaces import Bands, Checker, Grid, ImageTexture, Material, Pattern, Strips
+from .tracer import tracer_problems
 from .values import AtLeast, Color, ColorValue, Name, ParamName, ParamValue, Says, color
 
 if TYPE_CHECKING:
@@ -197,6 +198,7 @@ class Scene(Node):
             message = "no object has a material with reflectivity"
             help = "leave reflections out, or give a material 'reflectivity: 0.5'"
             yield Problem(("effects", "reflections"), message, help, True)
+        yield from tracer_problems(self)
 
     def _written_material(self, index: int, material: Material, context: Context) -> Location:
         """Where the reflectivity of a material of an object is written: with it, or among the materials;

@@ -48,6 +48,23 @@ class RenderSettings(Node):
     threshold: Positive = Field(
         default=1e-4, description="A ray has hit a surface when it is closer than this."
     )
+    detail: Positive | None = Field(
+        default=None,
+        description="Level of detail: so many pixels count as a hit too, as wide as a pixel is after the way from "
+        "the eye in Euclidean space, where that is more than `threshold`. Left out: none.",
+    )
+    tracer: Literal["auto", "direct", "relaxed", "compound", "binary"] = Field(
+        default="auto",
+        description="How far rays go at once: `direct` by the distance to the scene; `relaxed` by 1.4 times that, "
+        "and back where it was too far; `compound` marches each object by itself, the nearest first; `binary` "
+        "(e3) tries out which balls are free. All but `direct` in the whole space only. `auto` is `compound` "
+        "where that saves work, else `direct`.",
+    )
+    start: Literal["pixel", "block"] = Field(
+        default="pixel",
+        description="Where the marching starts: `pixel` for each at the eye; `block` for 4x4 pixels where the ray "
+        "through their middle leaves the room that is free about all of them (e3, perspective, no manifold).",
+    )
     far: Positive | None = Field(
         default=None,
         description="How far a ray goes before it shows the background. Left out: chosen for the geometry.",

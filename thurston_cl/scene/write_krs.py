@@ -2,11 +2,23 @@
 surface.
 """
 
+import warnings
+
 from thurston_cl.krs.program import sequence_parts
+from thurston_cl.krs.record import clipping_in_words
+from thurston_cl.krs.sequence import MoebiusSequence
 from thurston_cl.scene.krs import Krs
 from thurston_cl.scene.krs_sequence import painted_sequence
 from thurston_cl.scene.surfaces import Material
 from thurston_cl.scene.writer import Writer
+
+
+def tells_free_balls(writer: Writer, krs: Krs) -> bool:
+    """Whether a ball may be free of a sequence where its distance does not say so: balls are images of
+    balls under Moebius maps, and of no others.
+    """
+    moebius = isinstance(painted_sequence(krs, writer.geometry).sequence, MoebiusSequence)
+    return moebius and krs.twist is None and not krs.empty_zones
 
 
 def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Material, ...]]:
@@ -16,6 +28,9 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
     """
     painted = painted_sequence(krs, writer.geometry)
     sequence, numbers = painted.sequence, writer.numbers
+    if krs.recipe is None and (told := clipping_in_words(sequence)):
+        # Recipes mean what their mirrors clip.
+        warnings.warn(f"sequence {len(writer.sequences) + 1}: {told}", stacklevel=2)
     writer.sequences.append(sequence)
     writer.parts |= set(sequence_parts(sequence.geometry, sequence.name, sequence.kinds))
     name = f"krs_{len(writer.sequences)}"
@@ -52,6 +67,11 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
     writer.function(f"real {name}_distance({arguments})", [*distance, *way, "return d;"])
     if krs.empty_zones:
         writer.function(f"real {name}_clearance({arguments})", [*clear, "return d;"])
+    if writer.scene.render.tracer == "binary" and tells_free_balls(writer, krs):
+        writer.function(
+            f"mask {name}_unbounding(point q, real radius, scene_data scene)",
+            [f"return {kind}_unbounding(q, radius, scene, {place});"],
+        )
     if first_part > 1 and painted.materials:
         # Part 0, what the object is made of, keeps its number.
         surface.append(f"s.part = SELECT(s.part > REAL(0), s.part + REAL({first_part - 1}), s.part);")

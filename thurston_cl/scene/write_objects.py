@@ -23,7 +23,7 @@ from thurston_cl.scene.near_walls import balls_over_walls, bounds_of, images, is
 from thurston_cl.scene.numbers import Numbers, components, homogeneous
 from thurston_cl.scene.placement import X_AXIS, Z_AXIS
 from thurston_cl.scene.texels import MOST_LEVELS
-from thurston_cl.scene.write_krs import write_krs
+from thurston_cl.scene.write_krs import tells_free_balls, write_krs
 from thurston_cl.scene.writer import DIRECTED, Writer
 
 Array = NDArray[np.float64]
@@ -83,6 +83,7 @@ def write_objects(writer: Writer) -> int:
             own = f"object_{k}_distance(p, v, scene)"
             more_distance = [f"distance = fmin(distance, {own});" if distance else f"real distance = {own};"]
             surface += [f"s = object_{k}_surface(p, scene);", *_take_nearer(k, solid)]
+        writer.free[k] = text.free or f"{writer.in_all_directions(text.distance)} >= radius"
         written_as.append((k, solid, outer, text, seen))
         distance += _unless_skipped(k, more_distance) if k in lamps else more_distance
     writer.function(
@@ -125,9 +126,7 @@ def _clearance(
     """Lines that take the distance of object k into account, in all directions where it is directed, and with
     its images as far as ambient occlusion looks.
     """
-    distance = text.distance
-    for shape in writer.directed_shapes:
-        distance = distance.replace(f"{shape}_distance(", f"{shape}_clearance(")
+    distance = writer.in_all_directions(text.distance)
     writer.function(
         f"real object_{k}_clearance(point p, vector v, scene_data scene)", [f"return {distance};"]
     )
@@ -258,7 +257,7 @@ class _SolidText:
     """The text of one solid: `distance`, and statements `lines` that work out the surface called `name`."""
 
     def __init__(self, writer: Writer, solid: schema.Object, outer: Array) -> None:
-        self._writer, self._numbers = writer, writer.numbers
+        self._writer, self._numbers, self._whole = writer, writer.numbers, solid
         self._place, self._lattice = writer.place, writer.lattice
         self._geometry = writer.geometry.name
         # Only in nil, sl2 and sol a set of balls has coordinates on its surface.
@@ -267,6 +266,8 @@ class _SolidText:
         self._near_walls, self._hollow = writer.near_walls, is_hollow(solid, self._geometry)
         self._count = 0
         self.lines: list[str] = []
+        # Whether the ball about p of a radius is free of it, where its distance does not say so best.
+        self.free: str | None = None
         # What parts of it are made of, the first of them part 1.
         self.materials: list[schema.Material] = []
         self.distance, self.name = self._solid(solid, outer)
@@ -305,7 +306,7 @@ class _SolidText:
                 rear = self._half_space(back, half, frame)
                 return f"fmax({front[0]}, {rear[0]})", self._let(f"intersection_of({front[1]}, {rear[1]})")
             case "krs":
-                return self._krs(shape, frame)
+                return self._krs(solid, frame)
             case "horoball":
                 turned = frame @ self._place.turn(Z_AXIS, shape.towards)
                 return self._leaf("horoball", turned, self._numbers.term(shape.distance))
@@ -430,18 +431,24 @@ class _SolidText:
     def _leaf(self, shape: str, frame: Array, *arguments: str) -> tuple[str, str]:
         """One shape about the origin of its own coordinates; `frame` carries these into the cell."""
         self._writer.add_shape(shape)
-        return self._placed(shape, frame, arguments, along_ray=shape in DIRECTED)
+        return self._placed(shape, frame, arguments, along_ray=shape in DIRECTED)[:2]
 
-    def _krs(self, krs: schema.Krs, frame: Array) -> tuple[str, str]:
+    def _krs(self, solid: schema.Solid, frame: Array) -> tuple[str, str]:
         """A kernel-reflection sequence, which has functions of its own."""
+        krs = solid.shape
         name, materials = write_krs(self._writer, krs, 1 + len(self.materials))
         self.materials += materials
-        return self._placed(name, frame, ("scene",), along_ray=True)
+        distance, surface, point = self._placed(name, frame, ("scene",), along_ray=True)
+        if solid is self._whole and tells_free_balls(self._writer, krs):
+            self.free = f"{name}_unbounding({point}, radius, scene)"
+        return distance, surface
 
     def _placed(
         self, shape: str, frame: Array, arguments: Sequence[str], *, along_ray: bool
-    ) -> tuple[str, str]:
-        """What functions give that take a point, and where they go `along_ray` its vector, in a frame."""
+    ) -> tuple[str, str, str]:
+        """What functions give that take a point, and where they go `along_ray` its vector, in a frame:
+        distance and surface; and that point.
+        """
         matrix = snap(inverse(self._geometry, frame))
         point, vector, pulled = "p", "v", None
         if not np.array_equal(matrix, identity(self._geometry)):
@@ -454,7 +461,7 @@ class _SolidText:
         if pulled is not None and not np.array_equal(pulled, np.eye(4)):
             gradient = self._numbers.rows(pulled.T, components(f"{name}.gradient"))
             self.lines.append(f"{name}.gradient = (covector){gradient};")
-        return f"{shape}_distance({point}{f', {vector}' if along_ray else ''}{tail})", name
+        return f"{shape}_distance({point}{f', {vector}' if along_ray else ''}{tail})", name, point
 
     def _moved(self, matrix: Array) -> str:
         """The text of the point p moved by an isometry (n,n)."""

@@ -77,6 +77,8 @@ class Writer:
     lines: list[str] = field(default_factory=list)
     seen_from: list[Array] = field(default_factory=list)
     sequences: "list[Sequence | MoebiusSequence]" = field(default_factory=list)
+    # By object: whether the ball about p of a radius is free of it.
+    free: dict[int, str] = field(default_factory=dict)
     # Names of sequences whose distance holds along the ray alone.
     along_rays: list[str] = field(default_factory=list)
     texels: Texels = field(default_factory=Texels)
@@ -143,6 +145,12 @@ class Writer:
     def function(self, head: str, body: list[str], *, called: bool = False) -> None:
         """Add one function: inlined, or where it is `called` compiled once."""
         self.lines += [f"{'SOLVER' if called else 'FN'} {head}", "{", *(f"  {line}" for line in body), "}"]
+
+    def in_all_directions(self, distance: str) -> str:
+        """The text of a distance, with what holds along a ray alone replaced by what holds all around."""
+        for shape in self.directed_shapes:
+            distance = distance.replace(f"{shape}_distance(", f"{shape}_clearance(")
+        return distance
 
     def text(self) -> str:
         """The functions added since the last call."""

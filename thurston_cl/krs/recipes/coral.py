@@ -1,0 +1,81 @@
+"""A coral: thick branches that fork from near the ground, with buds and a pale tip on each (paper, 9)."""
+
+import math
+
+import numpy as np
+
+from .branches import UP, Habit, Record, Vector, best_walk, record, rosette, walk
+
+# Radii, in that of the last branch: of its tip and of its buds; and how far buds are from its axis.
+_TIP = 1.12
+_BUD = 0.45
+_BESIDE = 0.9
+
+
+def coral(
+    *,
+    levels: int = 10,
+    spread: float = math.radians(34),
+    widen: float = 0.0,
+    lean: float = math.radians(12),
+    turn: float = math.radians(100),
+    trunk: float = 0.35,
+    limb: float = 0.6,
+    ratio: float = 0.86,
+    thickness: float = 0.3,
+    taper: float = 0.86,
+    up: float = 0.3,
+    upright: float = 0.5,
+    loose: float = 0.5,
+    buds: int = 2,
+    seed: int = 0,
+) -> Record:
+    """The record of a coral at the origin of the ground z = 0, about 4 limbs high and 5 wide.
+
+    levels     branches from the ground to a tip, both included; there are 2^levels - 1 in all
+    spread     half the angle of the first fork, radians
+    widen      by how much more the last fork has, radians
+    lean       about how far mirrors lean from the branch before them, radians
+    turn       by how much the plane of a fork turns from one to the next, radians
+    trunk      length of the first branch above the ground
+    limb       length of the second branch
+    ratio      length of every other branch, in that of the one before it
+    thickness  diameter of the first branch
+    taper      thickness of a branch, in that of the one before it
+    up         how strongly the route bends upwards at every fork
+    upright    from 0, branches curl around, to 1, all of them grow upwards
+    loose      how random all this is, from 0 to 1
+    buds       levels of buds: a tip has 2^(buds + 1) - 2 of them around it
+    seed       of the random numbers
+
+    Lengths are in units of the scene. "mat" is 0 for branches and buds, and 1 for tips. The record has
+    levels + buds mirrors; ValueError if that is too many."""
+    habit = Habit(
+        levels=levels,
+        spread=spread,
+        widen=widen,
+        lean=lean,
+        turn=turn,
+        trunk=trunk + thickness,
+        second=limb,
+        ratio=ratio,
+        radius=0.5 * thickness,
+        taper=taper,
+        up=up,
+        upright=upright,
+        loose=loose,
+    )
+    rng = np.random.default_rng(seed)
+    # The foot is below the ground: its round end is not seen.
+    foot = np.array([0.0, 0.0, -thickness])
+    route = best_walk(lambda: walk(rng, foot, UP, habit))
+    end, radius = route.forks[-1], route.kernels[-1]["r"]
+
+    def sphere(level: int, outwards: Vector) -> Record:
+        if level == buds:
+            return {"type": "sphere", "c": end.tolist(), "r": _TIP * radius, "mat": 1}
+        center = end - 1.3 * (buds - level) * radius * route.along + _BESIDE * radius * outwards
+        return {"type": "sphere", "c": center.tolist(), "r": _BUD * radius, "mat": 0}
+
+    mirrors, kernels = rosette(rng, route, buds + 1, sphere)
+    return record([*route.mirrors, *mirrors], [*route.kernels, *kernels])

@@ -1,0 +1,102 @@
+"""How the rays of a scene are marched: which tracer, why, and what each of them needs."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from thurston_cl.models import FIBRED, ISOTROPIC, PRODUCTS
+
+from .base import Problem
+from .shapes import Solid
+
+if TYPE_CHECKING:
+    from .schema import Scene
+
+# Objects that are marched by themselves, at most. In each lane of a packet they have two numbers each, and
+# all are looked through for each step: beyond 16 that is more work than the distances it saves.
+MOST_COMPONENTS = 16
+
+
+@dataclass(frozen=True)
+class Tracer:
+    """A file of kernels/march/ by its name, and why it is taken."""
+
+    name: str
+    why: str
+
+
+def tracer_of(scene: "Scene") -> Tracer:
+    """The tracer of a scene that has no `tracer_problems`."""
+    asked = scene.render.tracer
+    if asked != "auto":
+        return Tracer(asked, "as the scene says")
+    # Ordinary objects are cheap beside the choice between them.
+    costly = sum(solid.kind == "krs" for solid in scene.solids)
+    if costly < 2:
+        return Tracer("direct", "all objects at once are cheap")
+    if scene.manifold is not None or scene.geometry not in (*ISOTROPIC, *PRODUCTS):
+        return Tracer(
+            "direct", "only in the whole space of an isotropic geometry or a product are there others"
+        )
+    if len(scene.solids) > MOST_COMPONENTS:
+        return Tracer("direct", f"more than {MOST_COMPONENTS} objects are too many to march by themselves")
+    return Tracer("compound", f"{costly} objects are costly to ask for their distance")
+
+
+def tracer_problems(scene: "Scene") -> Iterator[Problem]:
+    """What in a scene its `tracer` or `start` cannot do."""
+    yield from _tracer(scene)
+    if scene.render.start == "block":
+        yield from _block_start(scene)
+
+
+def _tracer(scene: "Scene") -> Iterator[Problem]:
+    name, geometry = scene.render.tracer, scene.geometry
+    place, cure = ("render", "tracer"), "leave it out, or write 'tracer: direct'"
+    if name in ("auto", "direct"):
+        return
+    if scene.manifold is not None:
+        yield Problem(place, f"tracer: {name} needs the whole space, and this is a manifold", cure, True)
+        return
+    if name == "relaxed" and any(_is_directed(solid, geometry) for solid in scene.objects):
+        message = (
+            "tracer: relaxed needs distances that hold all around; that of a level plane holds along the ray"
+        )
+        yield Problem(place, message, cure, True)
+    if name == "compound" and geometry not in (*ISOTROPIC, *PRODUCTS):
+        message = f"tracer: compound flows along any length at once, which in {geometry} is costly"
+        yield Problem(place, message, cure, True)
+    elif name == "compound" and not 2 <= len(scene.solids) <= MOST_COMPONENTS:
+        message = f"tracer: compound marches 2 to {MOST_COMPONENTS} objects by themselves, and here are "
+        help = f"{cure}; a union of objects is one object"
+        yield Problem(place, f"{message}{len(scene.solids)}, with the balls of lights", help, True)
+    if name == "binary":
+        if geometry != "e3":
+            yield Problem(place, f"tracer: binary is made for e3, not for {geometry}", cure, True)
+        for k, light in enumerate(scene.lights):
+            if light.shadows is not None and light.shadows.soft is not None:
+                message = "soft shadows need a distance, and tracer: binary asks for none"
+                yield Problem(
+                    ("lights", k, "shadows"), message, "write 'shadows: hard', or another tracer", True
+                )
+
+
+def _block_start(scene: "Scene") -> Iterator[Problem]:
+    found = None
+    if scene.geometry != "e3":
+        found = f"e3, and this is {scene.geometry}"
+    elif scene.manifold is not None:
+        found = "the whole space, and this is a manifold"
+    elif scene.camera.projection.perspective is None:
+        found = f"a perspective, and this is {scene.camera.projection.kind}"
+    if found is not None:
+        help = "leave it out, or write 'start: pixel'"
+        yield Problem(("render", "start"), f"start: block needs {found}", help, True)
+
+
+def _is_directed(solid: Solid, geometry: str) -> bool:
+    """Whether the distance to a solid is bounded along the ray alone (`writer.DIRECTED`)."""
+    members = solid.shape if isinstance(solid.shape, tuple) else (solid.shape,)
+    if any(isinstance(member, Solid) for member in members):
+        return any(_is_directed(member, geometry) for member in members)
+    return geometry in FIBRED and solid.kind in ("half-space", "slab") and solid.shape.normal[2] != 0
