@@ -264,19 +264,19 @@ class PalmLeaf(Ground):
         default=5, description="How often leaflets are doubled: there are 2^doublings on either side."
     )
     leaflets: PartOf = Field(
-        default=0.45, description="How long the longest leaflets are, about, in lengths of the midrib."
+        default=0.5, description="How long the longest leaflets are, about, in lengths of the midrib."
     )
     width: PartOf = Field(
-        default=0.28, description="Half the width of a leaflet, in distances from one to the next."
+        default=0.33, description="Half the width of a leaflet, in distances from one to the next."
     )
     hang: Aside = _degrees(23, "How far leaflets slope down from the midrib.")
     droop: Weight = Field(default=0.5, description="How much the whole frond bends down.")
-    taper: Weight = Field(default=0.7, description="How much smaller leaflets get towards its tip.")
-    fullness: Weight = Field(default=0.9, description="How much smaller they get towards both ends.")
+    taper: Weight = Field(default=1.0, description="How much smaller leaflets get towards its tip.")
+    fullness: Weight = Field(default=0.2, description="How much smaller they get towards both ends.")
     uneven: Weight = Field(
-        default=0.06, description="How much the maps between leaflets bend and scale, each by chance."
+        default=0.03, description="How much the maps between leaflets bend and scale, each by chance."
     )
-    stalk: Weight = Field(default=0.25, description="Length of the stalk, in lengths of the midrib.")
+    stalk: Weight = Field(default=0.4, description="Length of the stalk, about, in lengths of the blade.")
     seed: Seed = Field(default=3, description=_SEED.format("frond"))
     leaf: MaterialValue = Field(
         default=Material(color=color("#4f8a2b"), specular=0.15, diffuse=0.75),

@@ -30,23 +30,24 @@ def palm_leaf(
     *,
     length: float = 1.0,
     doublings: int = 5,
-    leaflets: float = 0.45,
-    width: float = 0.28,
+    leaflets: float = 0.5,
+    width: float = 0.33,
     hang: float = math.radians(23),
     droop: float = 0.5,
-    taper: float = 0.7,
-    fullness: float = 0.9,
-    uneven: float = 0.06,
-    stalk: float = 0.25,
+    taper: float = 1.0,
+    fullness: float = 0.2,
+    uneven: float = 0.03,
+    stalk: float = 0.4,
     seed: int = 3,
 ) -> dict[str, Any]:
     """The Möbius record of a frond whose blade begins at the origin and grows along x; up is z.
 
-    `length` of the blade, straight from end to end. 2^`doublings` leaflets on either side. About how long is
-    the longest of these, `leaflets`, and the `stalk`, in lengths of the midrib before it is bent; how wide,
-    in distances between them. `hang`: how far they slope down from the midrib, in radians. `droop`: how
-    strongly it bends down, `taper`: how strongly leaflets get smaller towards its end, `fullness`: towards
-    both ends; 0 to about 1. `uneven`: how strongly maps of the other levels bend and scale, each by chance.
+    `length` of the blade, straight from end to end, and about that of the `stalk`, in lengths of it.
+    2^`doublings` leaflets on either side, as long as `leaflets`, about, in lengths of the midrib before it is
+    bent, and `width` half their width, in distances between them. `hang`: how far they slope down from the
+    midrib, in radians. `droop`: how strongly it bends down, `taper`: how strongly leaflets get smaller
+    towards its end, `fullness`: towards both ends; 0 to about 1. `uneven`: how strongly maps of the other
+    levels bend and scale, each by chance.
     Materials: 0 leaflets, 1 midrib. ValueError for a number of doublings not from 1 to MOST_DOUBLINGS.
     """
     if not 1 <= doublings <= MOST_DOUBLINGS:
@@ -83,14 +84,14 @@ def palm_leaf(
     tip = _images(to_side, rib[2])
     reach = float(np.linalg.norm(tip))
     maps.append(to_side @ before)
-    stem = {"type": "capsule", "a": [0.0, -stalk * reach, 0.0], "b": [0.0, 0.0, 0.0], "r": 0.24, "mat": 1}
-    kernels[-1] = EMPTY
-    kernels.append(stem)
     sideways = 0.15 * random.choice((-1.0, 1.0))
     bent = bend(np.array([sideways, -taper, droop]) / reach)
     whole = rotation(np.column_stack([-_Y, _X, _Z])) @ bent
     size = float(np.linalg.norm(_images(whole, tip)))
     maps.append(dilation(length / size) @ whole)
+    # Behind the blade a length t becomes about t / (1 − taper t / reach): nearer to the pole, longer.
+    stem = stalk * size / (1 + taper * stalk * size / reach)
+    kernels.append({"type": "capsule", "a": [0.0, -stem, 0.0], "b": [0.0, 0.0, 0.0], "r": 0.24, "mat": 1})
     return {"G": [m.matrix.tolist() for m in maps], "kernels": kernels}
 
 
