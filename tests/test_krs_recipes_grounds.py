@@ -16,6 +16,7 @@ from thurston_cl.krs import Model
 from thurston_cl.krs.moebius import Map, conjugate, product
 from thurston_cl.krs.recipes.coral import coral
 from thurston_cl.krs.recipes.fish_school import LEAST_STAGGER, MOST_DOUBLINGS, fish_school
+from thurston_cl.krs.recipes.moebius_coral import moebius_coral
 from thurston_cl.krs.recipes.moebius_of import moebius_of
 from thurston_cl.krs.recipes.palm_leaf import palm_leaf
 from thurston_cl.krs.recipes.rock import INNERMOST, OUTERMOST, rock
@@ -35,7 +36,11 @@ RECIPES: dict[str, tuple[Callable[..., Record], int]] = {
     "sponge": (sponge, 1),
     "fish school": (fish_school, 3),
     "palm leaf": (palm_leaf, 2),
+    "moebius coral": (moebius_coral, 2),
 }
+
+ONE, ZERO = [1.0, 0, 0, 0], [0.0] * 4
+SPHERE = {"type": "sphere", "c": [0, 0, 0], "r": 1}
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*clipped")
 
@@ -286,34 +291,36 @@ def test_palm_leaf_is_as_long_as_it_says(taper: float) -> None:
 
 
 def test_what_is_not_bent_is_the_same() -> None:
-    record = coral(levels=8, buds=2)
+    record = coral(levels=8)
     points = 3 * directions(1000) * np.random.default_rng(0).uniform(0.1, 1, (1000, 1))
     usual = Model.from_dict(record).distance(points)
-    unbent = Model.from_dict(moebius_of(record, strength=0.0))
+    unbent = Model.from_dict(moebius_coral(strength=0.0, levels=8))
     assert np.abs(unbent.bound(points) - usual).max() < 4e-14
 
 
 @pytest.mark.parametrize("strength", [0.05, 0.2])
 def test_bending_keeps_space_and_what_is_joined(strength: float) -> None:
-    record = coral(levels=8, buds=0)
-    bent = moebius_of(record, strength=strength)
+    record = coral(levels=8, buds=2)
+    bent = moebius_coral(strength=strength, levels=8, buds=2)
     maps = maps_of(bent)
     for map_ in maps:
         assert keeps_space(map_.matrix) < 1e-12
         assert map_.numbers[0] == 1
     # Along the route the branch of a level ends where that before it begins, and the trunk stays.
-    whole, ends = Map(np.array([[[1, 0, 0, 0], [0] * 4], [[0] * 4, [1, 0, 0, 0]]], dtype=float)), []
+    whole, ends, moved = Map(np.array([[ONE, ZERO], [ZERO, ONE]])), [], []
     for level in range(len(maps), 0, -1):
         whole = whole @ maps[level - 1]
         kernel = bent["kernels"][level]
-        ends.append(whole.apply([kernel["p"], kernel["q"]]))
+        if kernel["type"] == "torcap":
+            ends.append(whole.apply([kernel["p"], kernel["q"]]))
+            moved.append(np.linalg.norm(ends[-1][1] - record["kernels"][level]["q"]))
+    assert len(ends) == 8
     np.testing.assert_allclose(ends[0][0], record["kernels"][-1]["p"], atol=1e-12)
     for outer, inner in itertools.pairwise(ends):
         np.testing.assert_allclose(outer[1], inner[0], atol=1e-10)
-    moved = [
-        np.linalg.norm(end[1] - kernel["q"])
-        for end, kernel in zip(ends, record["kernels"][:0:-1], strict=True)
-    ]
+    # The tip is where the last branch ends, behind the mirrors of the buds.
+    (tip,) = whole.apply([bent["kernels"][0]["c"]])
+    np.testing.assert_allclose(tip, ends[-1][1], atol=1e-10)
     assert max(moved) > 0.1 * strength
 
 
@@ -334,6 +341,7 @@ def test_bending_keeps_space_and_what_is_joined(strength: float) -> None:
         (lambda: moebius_of(palm_leaf()), "only a sequence of mirrors in Euclidean space"),
         (lambda: moebius_of(rock()), "bounded kernels only, no planes"),
         (lambda: moebius_of({"mirrors": [], "kernels": [{"type": "empty"}]}), "no kernel to bend"),
+        (lambda: moebius_of({"mirrors": [], "kernels": [SPHERE]}), "there is no mirror"),
         (lambda: moebius_of(coral(), strength=1), "from 0 to less than 1, not 1"),
     ],
 )
