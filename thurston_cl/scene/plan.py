@@ -240,6 +240,8 @@ def _defines(writer: Writer) -> dict[str, str | int]:
     defines: dict[str, str | int] = {}
     if "light/reflection.h" in writer.parts:
         defines["REFLECTIONS"] = 1
+    if "light/sky.h" in writer.parts:
+        defines["SKY"] = 1
     if needs_clearance(writer):
         defines["CLEARANCE"] = 1
     if "camera/fisheye.h" in writer.parts:
@@ -264,8 +266,9 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         *geometry_parts(geometry),
         "scene_types.h",
         *under("shape"),
+        *under("lane_integers.h"),
         # What several patterns call comes first.
-        *sorted(under("pattern"), key=lambda part: part != "pattern/color_in_turn.h"),
+        *sorted(under("pattern"), key=lambda part: part not in effect_files.PATTERN_SUPPORT),
         "march.h",
         *under("cells.h"),
         # What each projection starts from, and then in the order of the alphabet.

@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr
 from thurston_cl.errors import SceneError
 from thurston_cl.models import GEOMETRIES
 
+from .background import Background, BackgroundValue, Sky
 from .base import Node, Problem, problem, shown
 from .camera import Camera, Dome, Equirectangular, Fisheye, Look, Perspective, Projection, Step, Stereo
 from .context import Context
@@ -38,8 +39,19 @@ from .shapes import (
 )
 from .source import Problems, SceneSource
 from .suggest import nearest
-from .surfaces import Bands, Checker, Grid, ImageTexture, Material, Pattern, Strips
-from .values import AtLeast, Color, ColorValue, Name, ParamName, ParamValue, Says, color
+from .surfaces import (
+    Bands,
+    Checker,
+    Grid,
+    ImageTexture,
+    Material,
+    Noise,
+    Pattern,
+    Slope,
+    Strips,
+    Triplanar,
+)
+from .values import AtLeast, Color, Name, ParamName, ParamValue, Says, color
 
 if TYPE_CHECKING:
     from thurston_cl.lattice import Lattice
@@ -91,7 +103,8 @@ class Scene(Node):
     hints: ClassVar[Mapping[str, str]] = {
         "include": "a scene is one file; 'thurston scenes' lists scenes to start from",
         "animation": "animations are not rendered yet",
-        **dict.fromkeys(("environment", "sky"), "did you mean 'background'?"),
+        "environment": "did you mean 'background'?",
+        "sky": "write 'background: {sky: {...}}'",
         "krs": "kernel-reflection sequences are not rendered yet",
         "object": "did you mean 'objects'?",
     }
@@ -125,7 +138,9 @@ class Scene(Node):
         default=(), description="Left out: a warm light beside the camera and a cool one ahead of it."
     )
     effects: Effects = Field(default=Effects(), description="What is simulated besides direct light.")
-    background: ColorValue = Field(default=color("black"), description="What a ray shows that hits nothing.")
+    background: BackgroundValue = Field(
+        default=color("black"), description="What a ray shows that hits nothing."
+    )
     render: RenderSettings = Field(default=RenderSettings(), description="How the picture is worked out.")
     outputs: Annotated[tuple[Output, ...], AfterValidator(different_files)] = Field(
         default=(), description="The files to write. Left out: named on the command line."
@@ -150,6 +165,11 @@ class Scene(Node):
             else:
                 self._lattice = self.manifold.lattice(self.geometry)
         return self._lattice
+
+    @property
+    def sky(self) -> Sky | None:
+        """The sky of the background, if that is one."""
+        return self.background.sky if isinstance(self.background, Background) else None
 
     @property
     def solids(self) -> tuple[Object, ...]:
@@ -218,6 +238,7 @@ __all__ = [
     "FORMAT_VERSION",
     "GEOMETRIES",
     "AmbientOcclusion",
+    "Background",
     "Ball",
     "Bands",
     "Camera",
@@ -242,6 +263,7 @@ __all__ = [
     "Material",
     "MatrixLattice",
     "ModelPoint",
+    "Noise",
     "Object",
     "Output",
     "Pattern",
@@ -257,7 +279,9 @@ __all__ = [
     "Scene",
     "Shadows",
     "Shape",
+    "Sky",
     "Slab",
+    "Slope",
     "SoftShadows",
     "Solid",
     "Step",
@@ -266,5 +290,6 @@ __all__ = [
     "Sun",
     "Tile",
     "TorusBundle",
+    "Triplanar",
     "Within",
 ]
