@@ -172,6 +172,14 @@ class Scene(Node):
         return self.background.sky if isinstance(self.background, Background) else None
 
     @property
+    def plain_background(self) -> Color:
+        """The background where no direction counts: of a sky, the horizon."""
+        if isinstance(self.background, Color):
+            return self.background
+        assert self.background.sky is not None
+        return self.background.sky.horizon
+
+    @property
     def solids(self) -> tuple[Object, ...]:
         """The objects, and after them the balls that show where lights stand: the numbering of object ids."""
         return (*self.objects, *self.lamps.values())

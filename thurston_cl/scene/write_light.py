@@ -254,8 +254,7 @@ def write_air(writer: Writer) -> None:
     there is a sky, scene_under_sky. The plain color of that, for what comes to nothing, is its horizon's.
     """
     sky = writer.scene.sky
-    plain = sky.horizon if sky is not None else writer.scene.background
-    background = writer.numbers.add(plain.linear)
+    background = writer.numbers.add(writer.scene.plain_background.linear)
     writer.function(
         "real3_lanes scene_background(scene_data scene)", [f"return three_numbers(scene, {background});"]
     )

@@ -20,7 +20,7 @@ from thurston_cl.lattice.isometry import (
 from thurston_cl.models import FIBRED, ISOTROPIC, LEFT_INVARIANT
 from thurston_cl.scene import schema
 from thurston_cl.scene.near_walls import balls_over_walls, bounds_of, images, is_hollow
-from thurston_cl.scene.numbers import Numbers, components, homogeneous
+from thurston_cl.scene.numbers import components, homogeneous
 from thurston_cl.scene.placement import X_AXIS, Z_AXIS
 from thurston_cl.scene.texels import MOST_LEVELS
 from thurston_cl.scene.writer import DIRECTED, Writer
@@ -162,8 +162,8 @@ def _back(lattice: Lattice, seen: Array) -> Array:
 
 
 def _take_nearer(k: int, solid: schema.Solid, seen_at: str = "p", own: str = "s") -> list[str]:
-    """Keep the surface s of object k where it is the nearest so far; of what is painted late also the point at
-    which, and the surface as which, the object sees it itself.
+    """Keep the surface s of object k where it is the nearest so far; of what is painted late also the point
+    at which, and the surface as which, the object sees it itself.
     """
     kept = []
     if _is_late(solid):
@@ -511,9 +511,8 @@ def _late_paints(
         point = "q"
         if isinstance(paint, schema.Pattern) and paint.image is None:
             point = "own"
-            body += _in_own_frame(
-                writer, compose(writer.geometry.name, outer, writer.place.isometry(solid.at, solid.rotate))
-            )
+            frame = compose(writer.geometry.name, outer, writer.place.isometry(solid.at, solid.rotate))
+            body += _in_own_frame(writer, frame)
         color = _paint(paint, writer, "s", point, "f", ends=_is_globe(solid))
         writer.function(
             f"real3_lanes object_{k}_paint(point q, surface s, footprint f, scene_data scene)",
