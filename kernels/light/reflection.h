@@ -9,7 +9,8 @@ FN real3_lanes seen_with_reflections(ray r, look *first, int depth, int max_step
     if (bounce == 0) *first = l;
     real mirrored = bounce < depth ? SELECT(r.hit, l.s.m.reflectivity, REAL(0)) : REAL(0);
 #ifdef SKY
-    l.color = scene_under_sky(r, l.color, scene);
+    // Lanes that are done hold any ray, of which 0 times the sky may be none.
+    l.color = select_3(share > REAL(0), scene_under_sky(r, l.color, scene), l.color);
     // What is behind everything is behind no fog.
     real to = SELECT(r.hit, from + r.t, from);
 #else

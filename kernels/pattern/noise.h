@@ -13,8 +13,8 @@
 // How much of an octave is left falls from 1 where its cubes are this many footprints wide to 0 where they are half as many.
 #define NOISE_SHARP_FROM 2
 
-// The sum of all octaves has the standard deviation 0.3: times this, two of them to each side are all colors.
-#define NOISE_GAIN C(0.85)
+// The sum of many octaves has the standard deviation 0.22: times this, two of them to each side are all colors.
+#define NOISE_GAIN C(1.13)
 
 // By how much an octave is shifted along x, y and z more than the one before it.
 #define NOISE_SHIFT_X C(0.37)

@@ -318,8 +318,6 @@ Paint = Annotated[
 ]
 
 
-Slope.model_rebuild()
-Pattern.model_rebuild()
 
 
 class Material(Node):
