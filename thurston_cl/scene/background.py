@@ -51,7 +51,6 @@ class Background(Node):
     """What a ray shows that hits nothing, if that is no plain color."""
 
     what = "a background"
-    example = "background: {sky: {}}"
     one_of = ("sky",)
 
     sky: Sky | None = Field(default=None, description="A smooth gradient from the horizon to the zenith.")

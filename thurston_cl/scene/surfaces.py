@@ -318,6 +318,7 @@ Paint = Annotated[
 ]
 
 
+Slope.model_rebuild()
 
 
 class Material(Node):
