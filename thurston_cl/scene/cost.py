@@ -16,7 +16,7 @@ AREA = {"e3": 0.1, "s3": 0.3, "h3": 0.1, "s2xe": 0.2, "h2xe": 0.1, "nil": 0.1, "
 # The surface at two more places, in steps, for the beam of a pixel on an image.
 FOOTPRINT = 2.0
 # One octave of noise, in steps.
-OCTAVE = 0.3
+OCTAVE = 0.6
 # Looking up the cell at every wall, in steps of a first ray all together.
 CELLS = 3.0
 # How many geodesics are solved for where all up to a length count.
