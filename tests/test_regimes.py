@@ -36,6 +36,7 @@ R, T, M, S = "test_regimes", "test_twisted", "test_marching", "test_shapes_fibre
 SOL = "test_shapes_sol"
 E = "test_effects"
 IMAGE = "test_texture_image"
+NOISE = "test_noise"
 _ITERATIONS = f"{T}.test_the_bound_of_iterations_is_far_from_what_is_needed"
 _LENGTHS = f"{R}.test_lengths_go_on_over_the_seams_of_the_solver"
 _LIGHT = "test_light_falloff.test_light_fades_by_its_law_until_it_is_far_brighter_than_white"
@@ -150,6 +151,18 @@ SEAMS: dict[str, dict[str, tuple[str, ...]]] = {
         "IMAGE_LEVEL": (f"{IMAGE}.test_look_up_against_the_reference", "len(levels)"),
         "TEXEL_PAGE": (f"{IMAGE}.test_texels_are_found_on_both_sides_of_a_page",),
         "FOOTPRINT_STEP": (f"{IMAGE}.test_spread_on_a_ball",),
+    },
+    "pattern/noise.h": {
+        "NOISE_HEAD": (f"{NOISE}.test_colors_follow_each_other_evenly", "colors.ravel()"),
+        "NOISE_SHARP_FROM": (f"{NOISE}.test_octaves_fade_until_a_pixel_is_as_long_as_their_cubes",),
+        "NOISE_GAIN": (f"{NOISE}.test_values_are_spread_as_the_gain_says",),
+        **{
+            f"NOISE_SHIFT_{axis}": (
+                f"{NOISE}.test_against_the_reference_and_the_same_bits_at_every_width",
+                "NOISE_SHIFT_",
+            )
+            for axis in "XYZ"
+        },
     },
     "light/falloff_area.h": {"AREA_DENSITY_FLOOR": (_LIGHT,)},
     "light/falloff_inverse.h": {"LENGTH_FLOOR": (_LIGHT,)},

@@ -287,6 +287,8 @@ def _defines(writer: Writer, detail: int | None) -> dict[str, str | int]:
         defines["BLOCK_START"] = 1
     if "light/reflection.h" in writer.parts:
         defines["REFLECTIONS"] = 1
+    if "light/sky.h" in writer.parts:
+        defines["SKY"] = 1
     if needs_clearance(writer):
         defines["CLEARANCE"] = 1
     if writer.sequences:
@@ -314,8 +316,9 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         "scene_types.h",
         *under("shape"),
         *_krs_order(parts),
+        *under("lane_integers.h"),
         # What several patterns call comes first.
-        *sorted(under("pattern"), key=lambda part: part != "pattern/color_in_turn.h"),
+        *sorted(under("pattern"), key=lambda part: part not in effect_files.PATTERN_SUPPORT),
         "march.h",
         # What a tracer calls comes first.
         *sorted(under("march"), key=lambda part: part != "march/stretch.h"),
