@@ -1,4 +1,4 @@
-"""Recipes of rocks, terrain, sponges, fish and palm leaves, and Möbius sequences of others: what holds of
+"""Recipes of rocks, terrain, sponges, fish and palm leaves, and Moebius sequences of others: what holds of
 their records, and that scenes give the same ones."""
 
 import itertools
@@ -226,7 +226,7 @@ def test_fish_is_symmetric() -> None:
 
 
 def maps_of(record: Record) -> list[Map]:
-    """The maps of a Möbius record."""
+    """The maps of a Moebius record."""
     return [Map(np.array(matrix)) for matrix in record["G"]]
 
 
@@ -334,7 +334,7 @@ def test_bending_keeps_space_and_what_is_joined(strength: float) -> None:
         (lambda: terrain(slope=1.0, steepest=0.9), "slope is above 0 and below steepest"),
         (lambda: terrain(ripples=22), "of 22 levels 0 to 21 make ripples, not 22"),
         (lambda: sponge(levels=10, layers=4), "a sponge of 4 layers has 11 to 40 levels, not 10"),
-        (lambda: sponge(lumps=100), "no round sponge of lumps 100 found"),
+        (lambda: sponge(lumps=100, seed=1), "no round sponge of lumps 100 found"),
         (lambda: fish_school(doublings=MOST_DOUBLINGS + 1), "doubled 0 to 12 times, not 13 times"),
         (lambda: fish_school(stagger=1), f"{LEAST_STAGGER} lengths apart at least, not 1"),
         (lambda: palm_leaf(doublings=0), "doubled 1 to 12 times, not 0 times"),

@@ -1,4 +1,4 @@
-"""A school of fish: a few fish, multiplied by mirrors that stand unaligned (Szécsi et al., figure 5)."""
+"""A school of fish: a few fish, multiplied by mirrors that stand unaligned (KRS paper, figure 5)."""
 
 import math
 from typing import Any

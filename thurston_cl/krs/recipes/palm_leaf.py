@@ -1,4 +1,4 @@
-"""The frond of a palm as a Möbius sequence, so that it bends and no leaflet equals another (Szécsi et al.,
+"""The frond of a palm as a Moebius sequence, so that it bends and no leaflet equals another (KRS paper,
 section 6 and figure 13)."""
 
 import math
@@ -40,7 +40,7 @@ def palm_leaf(
     stalk: float = 0.4,
     seed: int = 3,
 ) -> dict[str, Any]:
-    """The Möbius record of a frond whose blade begins at the origin and grows along x; up is z.
+    """The Moebius record of a frond whose blade begins at the origin and grows along x; up is z.
 
     `length` of the blade, straight from end to end, and about that of the `stalk`, in lengths of it.
     2^`doublings` leaflets on either side, as long as `leaflets`, about, in lengths of the midrib before it is

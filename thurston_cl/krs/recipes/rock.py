@@ -1,4 +1,4 @@
-"""A rock: a sphere folded together until a plane is enough (Szécsi et al., figure 8 and section 9.1)."""
+"""A rock: a sphere folded together until a plane is enough (KRS paper, figure 8 and section 9.1)."""
 
 import math
 from typing import Any
