@@ -368,6 +368,32 @@ def test_node(node: type[Any], made: Callable[..., Record]) -> None:
     assert painted == set(range(len(usual.materials)))
 
 
+@pytest.mark.parametrize(
+    ("node", "given"),
+    [
+        (Rock, {"levels": 6, "roughness": 0}),
+        (Rock, {"levels": 40, "roughness": 2, "smooth": 0}),
+        (Terrain, {"levels": 4, "roughness": "0 deg", "wander": "0 deg"}),
+        (Terrain, {"levels": 40, "roughness": "15 deg", "slope": "79 deg", "steepest": "80 deg"}),
+        (Terrain, {"form": "seabed", "levels": 9, "ripples": 8}),
+        (Sponge, {"levels": 7, "layers": 0, "lumps": 2, "threads": 0}),
+        (Sponge, {"levels": 40, "layers": 8, "lumps": 0, "threads": 1}),
+        (FishSchool, {"doublings": 12, "askew": "15 deg", "spread": "0 deg", "gap": 0}),
+        (FishSchool, {"doublings": 1, "spread": "60 deg", "gap": 2, "stagger": 10}),
+        (PalmLeaf, {"doublings": 12, "leaflets": 1, "width": 1, "hang": "60 deg", "stalk": 0.001}),
+        (PalmLeaf, {"doublings": 12, "droop": 1, "fullness": 1, "uneven": 1, "stalk": 1}),
+        (PalmLeaf, {"doublings": 1, "leaflets": 0.05, "width": 0.05, "droop": 0, "taper": 0, "uneven": 0}),
+    ],
+)
+def test_whatever_a_scene_may_say_is_made(node: type[Any], given: dict[str, Any]) -> None:
+    for seed in range(3):
+        record = node.model_validate(given | {"seed": seed}).record()
+        sequence = sequence_of(record)
+        assert sequence.levels <= 40
+        bounded = all(kernel["type"] != "plane" for kernel in record["kernels"])
+        assert math.isfinite(sequence.radius) is bounded
+
+
 def test_node_of_a_seabed() -> None:
     assert Terrain.model_validate({"form": "seabed"}).record() == seabed()
     gentle = Terrain.model_validate({"form": "seabed", "slope": "5 deg", "seed": 9})

@@ -261,7 +261,7 @@ class PalmLeaf(Ground):
     taper: Weight = Field(default=1.0, description="How much smaller leaflets get towards its tip.")
     fullness: Weight = Field(default=0.2, description="How much smaller they get towards both ends.")
     uneven: Weight = Field(
-        default=0.03, description="How much the maps between leaflets bend and scale, each by chance."
+        default=0.1, description="How much the maps between leaflets bend and scale, each by chance."
     )
     stalk: Weight = Field(default=0.4, description="Length of the stalk, about, in lengths of the blade.")
     seed: Seed = Field(default=3, description=_SEED.format("frond"))

@@ -1,5 +1,5 @@
-"""From a kernel-reflection sequence to a Moebius one: parts that mirrors would make equal are bent each in its
-own way (KRS paper, section 6)."""
+"""From a kernel-reflection sequence to a Moebius one: parts that mirrors would make equal are bent each in
+its own way (KRS paper, section 6)."""
 
 from collections.abc import Mapping
 from collections.abc import Sequence as Series

@@ -15,7 +15,7 @@ _SAMPLES = 6000
 _NEAREST = 0.6
 # Between which spheres about the origin the surface lies, in radii.
 INNERMOST, OUTERMOST = 0.4, 1.8
-_ATTEMPTS = 400
+_ATTEMPTS = 150
 
 
 def rock(

@@ -13,7 +13,7 @@ SKIN_LEVELS = GATHERING + 2  # the fewest mirrors that make pores
 _SAMPLES = 6000
 # From afar all directions are folded nearer to one than this cosine, so that it is round.
 _NEAREST = 0.75
-_ATTEMPTS = 400
+_ATTEMPTS = 200
 # How far a ring is from closed, in radians: a toroidal capsule has two ends.
 _OPEN = 0.04
 
