@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Ge, Le
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import BeforeValidator, Field
 
 from thurston_cl.krs.recipes.fish_school import fish_school
 from thurston_cl.krs.recipes.palm_leaf import palm_leaf
@@ -13,25 +13,11 @@ from thurston_cl.krs.recipes.rock import rock
 from thurston_cl.krs.recipes.sponge import SKIN_LEVELS, sponge
 from thurston_cl.krs.recipes.terrain import SEABED, terrain
 
-from .base import Problem, problem
+from .base import Problem
 from .context import Context
-from .krs_recipe import Recipe
+from .krs_recipe import Recipe, within
 from .surfaces import Material, MaterialValue
 from .values import Angle, Number, Positive, Says, Seed, Weight, color, whole_number
-
-
-def _within(low: float, high: float) -> AfterValidator:
-    """Angles between two, in degrees."""
-
-    def check(angle: float) -> float:
-        degrees = math.degrees(angle)
-        # An angle in degrees is rounded.
-        if not low - 1e-9 <= degrees <= high + 1e-9:
-            raise problem(f"expected an angle from {low:g} to {high:g} deg; this is {degrees:.10g} deg")
-        return angle
-
-    return AfterValidator(check)
-
 
 RockLevels = Annotated[int, Ge(6), Le(40), BeforeValidator(whole_number), Says("whole number from 6 to 40")]
 LandLevels = Annotated[int, Ge(4), Le(40), BeforeValidator(whole_number), Says("whole number from 4 to 40")]
@@ -42,9 +28,9 @@ Strength = Annotated[Number, Ge(0), Le(2), Says("number from 0 to 2")]
 PartOf = Annotated[Number, Ge(0.05), Le(1), Says("number from 0.05 to 1")]
 Apart = Annotated[Number, Ge(2), Le(10), Says("number from 2 to 10")]
 # Mirrors that lean more make walls.
-Lean = Annotated[Angle, _within(0, 15), Says("angle from 0 deg to 15 deg")]
-Slope = Annotated[Angle, _within(0.1, 80), Says("angle from 0.1 deg to 80 deg")]
-Aside = Annotated[Angle, _within(0, 60), Says("angle from 0 deg to 60 deg")]
+Lean = Annotated[Angle, within(0, 15), Says("angle from 0 deg to 15 deg")]
+Slope = Annotated[Angle, within(0.1, 80), Says("angle from 0.1 deg to 80 deg")]
+Aside = Annotated[Angle, within(0, 60), Says("angle from 0 deg to 60 deg")]
 
 _SEED = "Another number is another {}."
 _AT = {"at": "'at' stands beside 'krs', not inside it"}
@@ -165,7 +151,8 @@ class Terrain(Ground):
 
 
 class Sponge(Ground):
-    """A sponge about the center (KRS paper, figure 10): rings around pores, layer upon layer."""
+    """A sponge about the center (KRS paper, figure 10): rings around pores, layer upon layer. It
+    needs shadows to show how deep they are."""
 
     what = "a sponge"
     example = "sponge: {radius: 0.5, seed: 3, material: {color: goldenrod}}"
@@ -186,7 +173,7 @@ class Sponge(Ground):
     )
     threads: Weight = Field(default=0.5, description="How thick is what stands between pores.")
     lumps: Strength = Field(default=1.0, description="0 is nearly round; more is lumpy.")
-    seed: Seed = Field(default=1, description=_SEED.format("sponge"))
+    seed: Seed = Field(default=4, description=_SEED.format("sponge"))
     material: MaterialValue = Field(
         default=_matte("#d9a93f"), description="What it is made of. Left out: yellow."
     )
@@ -274,7 +261,7 @@ class PalmLeaf(Ground):
     taper: Weight = Field(default=1.0, description="How much smaller leaflets get towards its tip.")
     fullness: Weight = Field(default=0.2, description="How much smaller they get towards both ends.")
     uneven: Weight = Field(
-        default=0.03, description="How much the maps between leaflets bend and scale, each by chance."
+        default=0.1, description="How much the maps between leaflets bend and scale, each by chance."
     )
     stalk: Weight = Field(default=0.4, description="Length of the stalk, about, in lengths of the blade.")
     seed: Seed = Field(default=3, description=_SEED.format("frond"))

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar
 
 from annotated_types import Ge, Le
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import BeforeValidator, Field
 
 from thurston_cl.krs.recipes.coral import coral
 from thurston_cl.krs.recipes.forest import forest
@@ -13,33 +13,19 @@ from thurston_cl.krs.recipes.shrub import shrub
 from thurston_cl.krs.recipes.tree import tree
 from thurston_cl.krs.sequence import MOST_LEVELS
 
-from .base import Problem, problem
+from .base import Problem
 from .context import Context
-from .krs_recipe import Recipe
+from .krs_recipe import Recipe, within
 from .surfaces import Material, MaterialValue
 from .values import Angle, Flag, Positive, Ratio, Says, Seed, Weight, color, whole_number
-
-
-def _within(low: float, high: float) -> AfterValidator:
-    """Angles between two, in degrees."""
-
-    def check(angle: float) -> float:
-        degrees = math.degrees(angle)
-        # An angle in degrees is rounded.
-        if not low - 1e-9 <= degrees <= high + 1e-9:
-            raise problem(f"expected an angle from {low:g} to {high:g} deg; this is {degrees:.10g} deg")
-        return angle
-
-    return AfterValidator(check)
-
 
 Levels = Annotated[int, Ge(1), Le(30), BeforeValidator(whole_number), Says("whole number from 1 to 30")]
 Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole number from 0 to 8")]
 Doublings = Annotated[int, Ge(1), Le(24), BeforeValidator(whole_number), Says("whole number from 1 to 24")]
 # Wider forks, or branches that turn back, would go through those before them.
-Spread = Annotated[Angle, _within(5, 60), Says("angle from 5 deg to 60 deg")]
-Outwards = Annotated[Angle, _within(0, 70), Says("angle from 0 deg to 70 deg")]
-Roll = Annotated[Angle, _within(0, 5), Says("angle from 0 deg to 5 deg")]
+Spread = Annotated[Angle, within(5, 60), Says("angle from 5 deg to 60 deg")]
+Outwards = Annotated[Angle, within(0, 70), Says("angle from 0 deg to 70 deg")]
+Roll = Annotated[Angle, within(0, 5), Says("angle from 0 deg to 5 deg")]
 
 _SPREAD = "How far the two branches of the first fork turn aside, on average; later forks are {}."
 _TURN = "By how much the plane of a fork turns about the branch from one fork to the next."

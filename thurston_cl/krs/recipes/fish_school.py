@@ -1,4 +1,4 @@
-"""A school of fish: a few fish, multiplied by mirrors that stand unaligned (Szécsi et al., figure 5)."""
+"""A school of fish: a few fish, multiplied by mirrors that stand unaligned (KRS paper, figure 5)."""
 
 import math
 from typing import Any
@@ -18,6 +18,7 @@ _ROWS = ((0.0, 1.0, -1.0), (0.5, -0.5))
 _GIRTH, _HALF = 0.21, 0.62
 _FLATTER = 3.0  # a school is this much wider than high
 _HALVINGS = 6
+_ROUNDING = 1e-12
 
 
 def fish_school(
@@ -49,7 +50,9 @@ def fish_school(
 
     # Rows one above the other, upright in y; each fish is symmetric in the mirror of its row, and in y.
     for row, places in enumerate(_ROWS):
-        normal = tilted(_Z, _X, random.normal(0, askew / 2) if row else 0.0)
+        # A fish in a mirror turns by twice its lean.
+        lean = float(np.clip(random.normal(0, askew / 2), -spread / 2, spread / 2)) if row else 0.0
+        normal = tilted(_Z, _X, lean)
         heading = np.array([normal[2], 0.0, -normal[0]])
         turn = np.column_stack([heading, _Y, normal])
         centers, headings, offset = _doubled(centers, headings, normal, random.uniform(0, gap))
@@ -69,7 +72,7 @@ def fish_school(
         for _ in range(_HALVINGS):
             normal = tilted(across, _X, lean)
             turned = headings - 2 * np.outer(headings @ normal, normal)
-            if turned[:, 0].min() >= math.cos(spread):
+            if turned[:, 0].min() >= math.cos(spread) - _ROUNDING:
                 break
             lean /= 2
         else:

@@ -1,4 +1,4 @@
-"""What recipes that simulate the fold of a kernel-reflection sequence share (Szécsi et al., section 3).
+"""What recipes that simulate the fold of a kernel-reflection sequence share (KRS paper, section 3).
 
 A recipe of this kind takes sample points of what it wants to cover, and chooses mirrors from the outermost to
 the innermost, each by where the samples lie after the ones before it.

@@ -1,5 +1,5 @@
-"""From a kernel-reflection sequence to a Möbius one: parts that mirrors would make equal are bent each in its
-own way (Szécsi et al., section 6)."""
+"""From a kernel-reflection sequence to a Moebius one: parts that mirrors would make equal are bent each in
+its own way (KRS paper, section 6)."""
 
 from collections.abc import Mapping
 from collections.abc import Sequence as Series
@@ -17,16 +17,16 @@ _ENDS = {"capsule": "ab", "torcap": "pmq"}
 
 
 def moebius_of(record: Mapping[str, Any], *, strength: float = 0.2, seed: int = 1) -> dict[str, Any]:
-    """The Möbius record of a record whose mirrors go through forks, each part bent about its root.
+    """The Moebius record of a record whose mirrors go through forks, each part bent about its root.
 
     `strength`: how near to a part its pole is, as a part of the reach of its branches; 0 bends nothing, 0.6
     is wild. What is joined stays joined. ValueError if the record is not one of mirrors in Euclidean space,
     or has a plane, no kernel or no mirror.
     """
     if "mirrors" not in record or "space" in record:
-        raise ValueError("only a sequence of mirrors in Euclidean space is made a Möbius one")
+        raise ValueError("only a sequence of mirrors in Euclidean space is made a Moebius one")
     if any(kernel["type"] == "plane" for kernel in record["kernels"]):
-        raise ValueError("a Möbius sequence has bounded kernels only, no planes")
+        raise ValueError("a Moebius sequence has bounded kernels only, no planes")
     if all(kernel["type"] == "empty" for kernel in record["kernels"]):
         raise ValueError("there is no kernel to bend")
     if not record["mirrors"]:

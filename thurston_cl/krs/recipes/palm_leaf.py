@@ -1,4 +1,4 @@
-"""The frond of a palm as a Möbius sequence, so that it bends and no leaflet equals another (Szécsi et al.,
+"""The frond of a palm as a Moebius sequence, so that it bends and no leaflet equals another (KRS paper,
 section 6 and figure 13)."""
 
 import math
@@ -36,11 +36,11 @@ def palm_leaf(
     droop: float = 0.5,
     taper: float = 1.0,
     fullness: float = 0.2,
-    uneven: float = 0.03,
+    uneven: float = 0.1,
     stalk: float = 0.4,
     seed: int = 3,
 ) -> dict[str, Any]:
-    """The Möbius record of a frond whose blade begins at the origin and grows along x; up is z.
+    """The Moebius record of a frond whose blade begins at the origin and grows along x; up is z.
 
     `length` of the blade, straight from end to end, and about that of the `stalk`, in lengths of it.
     2^`doublings` leaflets on either side, as long as `leaflets`, about, in lengths of the midrib before it is
@@ -70,7 +70,7 @@ def palm_leaf(
     maps: list[Map] = []
     for i in range(doublings):
         row = float(np.linalg.norm(rib[2] - rib[0]))
-        by_chance = uneven * random.normal(size=2) * (1.0, 0.5) / max(row, blade) if i else (0.0, 0.0)
+        by_chance = uneven * random.uniform(-1, 1, 2) * (0.5, 0.25) / max(row, blade) if i else (0.0, 0.0)
         full = fullness / row if i == doublings - 1 else 0.0
         ending = bend((by_chance[0] + full, 0, by_chance[1])) @ _at_end(rib)
         maps.append(ending @ before)

@@ -1,4 +1,4 @@
-"""A rock: a sphere folded together until a plane is enough (Szécsi et al., figure 8 and section 9.1)."""
+"""A rock: a sphere folded together until a plane is enough (KRS paper, figure 8 and section 9.1)."""
 
 import math
 from typing import Any
@@ -15,7 +15,7 @@ _SAMPLES = 6000
 _NEAREST = 0.6
 # Between which spheres about the origin the surface lies, in radii.
 INNERMOST, OUTERMOST = 0.4, 1.8
-_ATTEMPTS = 400
+_ATTEMPTS = 150
 
 
 def rock(

@@ -1,4 +1,4 @@
-"""Terrain: a level plane folded together until one slope is enough (Szécsi et al., section 9.1)."""
+"""Terrain: a level plane folded together until one slope is enough (KRS paper, section 9.1)."""
 
 import math
 from typing import Any
