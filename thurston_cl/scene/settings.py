@@ -50,8 +50,8 @@ class RenderSettings(Node):
     )
     detail: Positive | None = Field(
         default=None,
-        description="Level of detail: nearer than so many pixels counts as a hit too, a pixel being as wide as "
-        "Euclidean space makes it after the way from the eye. Left out: none.",
+        description="Level of detail: nearer than so many pixels counts as a hit too, a pixel being as wide "
+        "as Euclidean space makes it after the way from the eye. Left out: none.",
     )
     tracer: Literal["auto", "direct", "relaxed", "compound", "binary"] = Field(
         default="auto",
