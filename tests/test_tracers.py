@@ -308,15 +308,15 @@ def test_any_relaxation_ends_at_the_same(monkeypatch: pytest.MonkeyPatch) -> Non
     assert len(set(steps.values())) == 3
 
 
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [
-        ("BINARY_BONUS", ("C(1.3)", "3")),
-        ("BINARY_PENALTY", ("C(0.15)", "C(0.6)")),
-        ("BINARY_FIRST", ("C(1e-5)", "C(0.5)")),
-        ("BINARY_ACCURACY", ("C(0.1)", "C(0.3)")),
-    ],
-)
+GROWTHS = [
+    ("BINARY_BONUS", ("C(1.3)", "3")),
+    ("BINARY_PENALTY", ("C(0.15)", "C(0.6)")),
+    ("BINARY_FIRST", ("C(1e-5)", "C(0.5)")),
+    ("BINARY_ACCURACY", ("C(0.1)", "C(0.3)")),
+]
+
+
+@pytest.mark.parametrize(("name", "values"), GROWTHS)
 def test_any_growth_of_the_balls_ends_at_the_same(
     name: str, values: tuple[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -335,17 +335,17 @@ def test_any_growth_of_the_balls_ends_at_the_same(
         assert np.mean(near) > 0.998
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("BLOCK_WORTH", None),
-        ("BLOCK_WORTH", "0"),
-        ("BLOCK_WORTH", "9"),
-        ("BLOCK_ROUNDING", "1000"),
-        ("BLOCK_END", "C(0.5)"),
-        ("BLOCK_MIDDLE", None),
-    ],
-)
+BLOCK_CHANGES = [
+    ("BLOCK_WORTH", None),
+    ("BLOCK_WORTH", "0"),
+    ("BLOCK_WORTH", "9"),
+    ("BLOCK_ROUNDING", "1000"),
+    ("BLOCK_END", "C(0.5)"),
+    ("BLOCK_MIDDLE", None),
+]
+
+
+@pytest.mark.parametrize(("name", "value"), BLOCK_CHANGES)
 def test_blocks_start_before_the_surface(
     name: str, value: str | None, monkeypatch: pytest.MonkeyPatch, opencl_device: Device
 ) -> None:
