@@ -1256,6 +1256,87 @@ MISTAKES = {
         "far must be greater than threshold, which is 0.0001",
         schema=False,
     ),
+    "detail of no pixels": Mistake(
+        f"{E3}render: {{detail: 0}}\n", "3:18", "detail must be greater than 0; this is 0"
+    ),
+    "an unknown tracer": Mistake(
+        f"{E3}render: {{tracer: direkt}}\n",
+        "3:18",
+        "is not one of: auto, direct, relaxed",
+        "did you mean 'direct'?",
+    ),
+    "relaxed in a manifold": Mistake(
+        f"geometry: e3\nmanifold: three-torus\n{BALL}render: {{tracer: relaxed}}\n",
+        "4:10",
+        "tracer: relaxed needs the whole space, and this is a manifold",
+        "leave it out, or write 'tracer: direct'",
+        schema=False,
+    ),
+    "relaxed over a level plane": Mistake(
+        "geometry: nil\nobjects: [union: [{ball: {radius: 1}}, {slab: {normal: [0, 0, 1], thickness: 1}}]]\n"
+        "render: {tracer: relaxed}\n",
+        "3:10",
+        "tracer: relaxed needs distances all around; that of a level plane holds along the ray",
+        "leave it out, or write 'tracer: direct'",
+        schema=False,
+    ),
+    "compound in nil": Mistake(
+        "geometry: nil\nobjects: [{ball: {radius: 1}}, {ball: {radius: 1}}]\nrender: {tracer: compound}\n",
+        "3:10",
+        "tracer: compound flows along any length at once, which in nil is costly",
+        "leave it out, or write 'tracer: direct'",
+        schema=False,
+    ),
+    "compound of one object": Mistake(
+        f"{E3}render: {{tracer: compound}}\n",
+        "3:10",
+        "tracer: compound marches 2 to 16 objects by themselves, and here are 1, with the balls of lights",
+        "a union of objects is one object",
+        schema=False,
+    ),
+    "compound of too many objects": Mistake(
+        "geometry: e3\nobjects: [" + 16 * "{ball: {radius: 1}}, " + "]\n"
+        "lights: [point: {at: [0, 0, 3], ball: 0.1}]\nrender: {tracer: compound}\n",
+        "4:10",
+        "tracer: compound marches 2 to 16 objects by themselves, and here are 17, with the balls of lights",
+        "a union of objects is one object",
+        schema=False,
+    ),
+    "binary in h3": Mistake(
+        f"{H3}render: {{tracer: binary}}\n",
+        "3:10",
+        "tracer: binary is made for e3, not for h3",
+        "leave it out, or write 'tracer: direct'",
+        schema=False,
+    ),
+    "binary with soft shadows": Mistake(
+        f"{E3}lights: [{{point: {{at: [0, 0, 3]}}, shadows: soft}}]\nrender: {{tracer: binary}}\n",
+        "3:35",
+        "soft shadows need a distance, and tracer: binary asks for none",
+        "write 'shadows: hard', or another tracer",
+        schema=False,
+    ),
+    "blocks in h3": Mistake(
+        f"{H3}render: {{start: block}}\n",
+        "3:10",
+        "start: block needs e3, and this is h3",
+        "leave it out, or write 'start: pixel'",
+        schema=False,
+    ),
+    "blocks in a manifold": Mistake(
+        f"geometry: e3\nmanifold: three-torus\n{BALL}render: {{start: block}}\n",
+        "4:10",
+        "start: block needs the whole space, and this is a manifold",
+        "leave it out, or write 'start: pixel'",
+        schema=False,
+    ),
+    "blocks of a fisheye": Mistake(
+        f"{E3}camera: {{projection: {{fisheye: {{}}}}}}\nrender: {{start: block}}\n",
+        "4:10",
+        "start: block needs a perspective, and this is fisheye",
+        "leave it out, or write 'start: pixel'",
+        schema=False,
+    ),
     "distance without a manifold": Mistake(
         f"{E3}render: {{distance: both}}\n", "3:10", "distance: both needs a manifold", schema=False
     ),

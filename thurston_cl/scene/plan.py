@@ -275,9 +275,7 @@ def _cells(scene: schema.Scene, wanted: Collection[str]) -> tuple[NDArray[np.flo
 
 
 def _defines(writer: Writer, detail: int | None) -> dict[str, str | int]:
-    """The defines that effects, a round picture, a lattice and tracers take; `detail`: the place of its
-    number.
-    """
+    """The defines that effects, a round picture, a lattice and tracers take; `detail` is its place."""
     defines: dict[str, str | int] = {}
     if detail is not None:
         defines["DETAIL"] = detail
