@@ -203,9 +203,12 @@ class MoebiusSequence(_Levels):
         none = [0.0, 0.0, 0.0, -1.0]
 
         def held(level: int) -> list[float]:
-            """The ball that holds a level, where it has one."""
-            every = (self.levels - level) % LEVELS_BETWEEN_BALLS == 0
-            if not (level_balls and every and len(self._balls[level].radii)):
+            """The ball that holds a level, where it has one: next to the pole of its map nothing else tells
+            that all of it is far.
+            """
+            useful = (self.levels - level) % LEVELS_BETWEEN_BALLS == 0
+            useful |= level > 0 and self.maps[level - 1].has_pole
+            if not (level_balls and useful and len(self._balls[level].radii)):
                 return none
             center, radius = self._balls[level].enclosing()
             return [*center, radius]
