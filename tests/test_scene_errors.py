@@ -29,6 +29,19 @@ def an_object(text: str, geometry: str = "e3") -> str:
     return f"geometry: {geometry}\nobjects:\n  - {text}\n"
 
 
+def a_sequence(text: str, geometry: str = "e3") -> str:
+    """A scene with one sequence, whose keys start in line 3, column 11."""
+    return an_object(f"krs: {{{text}}}", geometry)
+
+
+def a_forest(text: str) -> str:
+    """A scene with a forest in h3, whose keys start in line 3, column 31."""
+    return a_sequence(f"hyperbolic-forest: {{{text}}}", "h3")
+
+
+ONE_LEVEL = "kernel: {ball: {radius: 0.1}}, levels: [{mirror: {normal: [1, 0, 0]}}]"
+
+
 def by_matrices(generators: str, domain: str) -> str:
     """A scene of e3 with a lattice."""
     return f"{E3}manifold:\n  generators: {generators}\n  domain: {domain}\n"
@@ -1413,6 +1426,131 @@ MISTAKES = {
         "3:30",
         "'X.png' is the file of output 1 already",
         schema=False,
+    ),
+    # Kernel-reflection sequences in curved spaces
+    **{
+        f"a sequence in {name}": Mistake(
+            a_sequence(ONE_LEVEL, name),
+            "3:10",
+            f"{name} has no mirrors, so that nothing can be doubled by them",
+            "sequences are made in e3, s3, h3, s2xe, h2xe",
+            False,
+        )
+        for name in ("nil", "sl2", "sol")
+    },
+    "a Moebius sequence in h3": Mistake(
+        a_sequence("kernel: {ball: {radius: 0.1}}, moebius: [{map: [{move: [1, 0, 0]}]}]", "h3"),
+        "3:42",
+        "this is made in e3, not in h3",
+        "write 'levels'",
+        False,
+    ),
+    "a twist in s3": Mistake(
+        a_sequence(f"twist: {{angle: 10 deg}}, {ONE_LEVEL}", "s3"),
+        "3:11",
+        "this is made in e3, not in s3",
+        "",
+        False,
+    ),
+    "empty zones in h2xe": Mistake(
+        a_sequence(f"empty-zones: {{radius: 1}}, {ONE_LEVEL}", "h2xe"),
+        "3:11",
+        "this is made in e3, not in h2xe",
+        "",
+        False,
+    ),
+    "an arc in h3": Mistake(
+        a_sequence(
+            "kernel: {arc: {from: [0, 0, 0], through: [0.1, 0, 0.5], to: [0, 0, 1], radius: 0.1}}, "
+            "levels: [{mirror: {normal: [1, 0, 0]}}]",
+            "h3",
+        ),
+        "3:20",
+        "this kernel is made in e3, not in h3",
+        "there is the capsule",
+        False,
+    ),
+    "a leaf in s2xe": Mistake(
+        a_sequence(
+            "kernel: {leaf: {radius: 0.1, thickness: 0.03}}, levels: [{mirror: {normal: [1, 0, 0]}}]", "s2xe"
+        ),
+        "3:20",
+        "this kernel is made in e3, not in s2xe",
+        "there is the capsule",
+        False,
+    ),
+    "a slanted mirror in h2xe": Mistake(
+        a_sequence("kernel: {ball: {radius: 0.1}}, levels: [{mirror: {normal: [1, 0, 2]}}]", "h2xe"),
+        "3:69",
+        "in h2xe a mirror is across the fiber or along it",
+        "write [0, 0, 1] or [1, 0, 0]",
+        False,
+    ),
+    "a slanted capsule in h2xe": Mistake(
+        a_sequence(
+            "kernel: {capsule: {to: [0, 0, 1], from: [0.2, 0, 0], radius: 0.1}}, "
+            "levels: [{mirror: {normal: [1, 0, 0]}}]",
+            "h2xe",
+        ),
+        "3:34",
+        "in h2xe the capsules of a sequence stand along the fiber",
+        "write [0.2, 0, 1], over its other end",
+        False,
+    ),
+    "a capsule without length": Mistake(
+        a_sequence(
+            "kernel: {capsule: {to: [0, 0, 1], from: [0, 0, 1], radius: 0.1}}, "
+            "levels: [{mirror: {normal: [1, 0, 0]}}]",
+            "h3",
+        ),
+        "3:34",
+        "a capsule does not end where it begins",
+        "write 'ball' for a ball",
+        False,
+    ),
+    "a hyperbolic forest in e3": Mistake(
+        a_sequence("hyperbolic-forest: {}"), "3:11", "this is made in h3, not in e3", "", False
+    ),
+    "a hyperbolic forest of too many levels": Mistake(
+        a_forest("doublings: 30, forks: 9, foliage: 4"),
+        "3:42",
+        "doublings, forks and foliage make 43 mirrors together; at most 40 can be",
+        "take 3 off 'doublings'",
+        False,
+    ),
+    "a hyperbolic forest of too many doublings": Mistake(
+        a_forest("doublings: 31"), "3:42", "doublings must be at most 30; this is 31"
+    ),
+    "a hyperbolic forest that spreads too far": Mistake(
+        a_forest("spread: 61 deg"),
+        "3:39",
+        "expected an angle from 5 deg to 60 deg; this is 61 deg",
+        "",
+        False,
+    ),
+    "a hyperbolic forest that is too irregular": Mistake(
+        a_forest("irregular: 2"), "3:42", "irregular must be at most 1; this is 2"
+    ),
+    "a hyperbolic forest with walls below 0": Mistake(
+        a_forest("wall: -1"), "3:37", "expected a number from 0; this is -1", "", False
+    ),
+    "a hyperbolic forest with a material": Mistake(
+        a_forest("material: gold"), "3:31", "unknown key 'material'", "'bark', 'leaf', 'ground' and 'stone'"
+    ),
+    "a hyperbolic forest with a color": Mistake(
+        a_forest("color: red"), "3:31", "unknown key 'color'", "write 'bark: {color: ...}'"
+    ),
+    "a hyperbolic forest by its levels": Mistake(
+        a_forest("levels: 20"), "3:31", "unknown key 'levels'", "write 'doublings' for the forest"
+    ),
+    "a hyperbolic forest by its trees": Mistake(
+        a_forest("trees: 20"), "3:31", "unknown key 'trees'", "write 'doublings': there are 2^doublings trees"
+    ),
+    "a hyperbolic forest by its density": Mistake(
+        a_forest("density: 2"), "3:31", "unknown key 'density'", "each tree has a pentagon of area 1.571"
+    ),
+    "a hyperbolic forest with a place inside": Mistake(
+        a_forest("at: [0, 0, 1]"), "3:31", "unknown key 'at'", "'at' stands beside 'krs', not inside it"
     ),
     # Params
     "unknown param": Mistake(

@@ -27,7 +27,16 @@ FN surface krs_capsule_surface(point x, scene_data scene, int k)
   return s;
 }
 
-#elif CURVATURE == 0
+#else
+// The angle in turns about an axis, of a direction across it.
+FN real turns_about(direction axis, direction across)
+{
+  direction e_z = {REAL(0), REAL(0), REAL(1)}, e_x = {REAL(1), REAL(0), REAL(0)};
+  direction side = cross_3(axis, select_3(fabs(axis.z) < REAL(C(0.9)), e_z, e_x));
+  return turns(dot_3(across, cross_3(axis, side)), dot_3(across, side));
+}
+
+#if CURVATURE == 0
 // From the nearest point of the segment to x, and how far along that is from the middle.
 FN direction from_segment(point x, scene_data scene, int k, real *along)
 {
@@ -48,10 +57,8 @@ FN real krs_capsule_distance(point x, scene_data scene, int k)
 FN surface krs_capsule_surface(point x, scene_data scene, int k)
 {
   real along;
-  direction d = from_segment(x, scene, k, &along), axis = three_numbers(scene, k + 4), e_z = {REAL(0), REAL(0), REAL(1)},
-            e_x = {REAL(1), REAL(0), REAL(0)};
-  direction side = cross_3(axis, select_3(fabs(axis.z) < REAL(C(0.9)), e_z, e_x)), other = cross_3(axis, side);
-  surface s = {krs_capsule_distance(x, scene, k), with_w(d, REAL(0)), turns(dot_3(d, other), dot_3(d, side)), along};
+  direction d = from_segment(x, scene, k, &along);
+  surface s = {krs_capsule_distance(x, scene, k), with_w(d, REAL(0)), turns_about(three_numbers(scene, k + 4), d), along};
   return s;
 }
 
@@ -97,8 +104,9 @@ FN surface krs_capsule_surface(point x, scene_data scene, int k)
   point foot = add_scaled_4(scale_4(middle, f.w), along, f.along);
   foot = select_4(f.beyond, end, foot);
   covector gradient = {-foot.x, -foot.y, -foot.z, REAL(-CURVATURE) * foot.w};
-  surface s = {krs_capsule_distance(x, scene, k), gradient, turns(f.across.y, f.across.x),
+  surface s = {krs_capsule_distance(x, scene, k), gradient, turns_about(three_numbers(scene, k + 4), f.across),
                axis_length(f.along, f.across_square, f.w)};
   return s;
 }
+#endif
 #endif

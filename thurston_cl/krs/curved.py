@@ -128,13 +128,37 @@ def sphere(geometry: str, center: Array, radius: float, part: int) -> Kernel:
 
 
 def plane(geometry: str, mirror: Mirror, part: int) -> Kernel:
-    """What lies on the negative side of a plane."""
+    """What lies on the negative side of a plane. Coordinates on it begin next to the origin."""
     level = geometry in PRODUCTS and mirror.form[3] != 0
-    # Coordinates on it: the components along the axes that lie most within it.
-    axes = np.eye(4)[:3] if geometry not in PRODUCTS else np.eye(4)[[0, 1, 3]]
-    order = np.argsort(np.abs(axes @ mirror.normal))
-    own = (*mirror.form, 0.0 if level else 1.0, *axes[order[0]], *axes[order[1]])
+    own = (*mirror.form, 0.0 if level else 1.0, *_coordinates(geometry, mirror.normal, level).ravel())
     return Kernel("plane", part, own, None, lambda form: np.inf, "half-space")
+
+
+def _coordinates(geometry: str, normal: Array, level: bool) -> Array:
+    """Three forms (3,4): 0 on two lines of the plane across each other, and 1 where they meet."""
+    axes = np.eye(4)
+    if level:
+        # Lengths are measured along the y-line of the factor.
+        return axes[[1, 0, 2]]
+    origin, others = (axes[2], axes[:2]) if geometry in PRODUCTS else (axes[3], axes[:3])
+    signs = signs_of(geometry)
+
+    def next_across(found: list[Array], candidates: Array) -> Array:
+        """What is farthest from those that were found, at right angles to them and of length 1."""
+        rest = candidates
+        for v in found:
+            rest = rest - np.outer(rest @ (signs * v), v) * (v @ (signs * v))
+        squares = np.abs(np.einsum("ij,j,ij->i", rest, signs, rest))
+        best = int(np.argmax(squares))
+        return rest[best] / np.sqrt(squares[best])
+
+    # On a sphere all points may be as near to the origin: any will do then.
+    pole = signs.min() > 0 and abs(normal @ origin) > 1 - OFF_MODEL
+    foot = next_across([normal], others if pole else origin[None, :])
+    first = next_across([normal, foot], np.concatenate([others, origin[None, :]]))
+    second = axes[3] if geometry in PRODUCTS else next_across([normal, foot, first], axes)
+    vectors = np.array([first, second, foot])
+    return vectors * signs * np.einsum("ij,j,ij->i", vectors, signs, vectors)[:, None]
 
 
 def capsule(geometry: str, a: Array, b: Array, radius: float, part: int) -> Kernel:
@@ -155,12 +179,24 @@ def capsule(geometry: str, a: Array, b: Array, radius: float, part: int) -> Kern
     else:
         sine, cosine = (np.sin(half), np.cos(half)) if geometry == "s3" else (np.sinh(half), np.cosh(half))
         own = (*middle, *along, sine, cosine, *a, *b, radius)
-    ends = [sphere(geometry, end, radius, part) for end in (a, b)]
+    tangent = g.velocity(middle, along)[0]
+
+    def reach(form: Array) -> float:
+        # Along the segment the form is a sine or hyperbolic sine, in the products linear or constant.
+        at_middle, rate = float(form[:4] @ middle + form[4]), float(form[:4] @ tangent)
+        candidates = [-half, half]
+        if geometry == "s3":
+            candidates.append(float(np.arctan2(rate, at_middle)))
+        elif geometry == "h3" and at_middle < -abs(rate):
+            candidates.append(float(np.arctanh(-rate / at_middle)))
+        points = [g.flow(along, s, base=middle)[0][0] for s in candidates if abs(s) <= half]
+        return max(sphere(geometry, point, radius, part).reach(form) for point in points)
+
     return Kernel(
         "capsule",
         part,
         own,
         (middle, half + radius),
-        lambda form: max(end.reach(form) for end in ends),
+        reach,
         words,
     )

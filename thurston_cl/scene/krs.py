@@ -13,6 +13,7 @@ from thurston_cl.models import ISOTROPIC, PRODUCTS
 
 from .base import Node, Problem, problem, shown
 from .context import Context, context_of
+from .krs_curved import HyperbolicForest
 from .krs_recipe import Recipe
 from .points import Point
 from .surfaces import Material, MaterialValue, OptionalMaterial
@@ -59,6 +60,15 @@ class KernelCapsule(Node):
     start: Point = Field(alias="from", description="One end of the segment.")
     to: Point = Field(description="The other end.")
     radius: Positive = Field(description="The distance.")
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        if self.start == self.to:
+            yield Problem(("to",), "a capsule does not end where it begins", "write 'ball' for a ball")
+        if context.geometry in PRODUCTS and isinstance(self.start, tuple) and isinstance(self.to, tuple):
+            (x, y, _), (*beside, z) = self.start, self.to
+            if beside != [x, y]:
+                message = f"in {context.geometry} the capsules of a sequence stand along the fiber"
+                yield Problem(("to",), message, f"write [{x:g}, {y:g}, {z:g}], over its other end")
 
 
 class KernelArc(Node):
@@ -267,7 +277,7 @@ class Krs(Node):
 
     what = "a sequence"
     example = "krs: {tree: {seed: 3}}"
-    one_of = ("levels", "moebius", "record")
+    one_of = ("levels", "moebius", "record", "hyperbolic-forest")
     hints: ClassVar[Mapping[str, str]] = {
         "mirrors": "write 'levels: [{mirror: ..., kernel: ...}, ...]', and 'kernel' for the innermost one",
         "material": "'material' stands beside 'krs', or with a kernel of its levels",
@@ -299,6 +309,9 @@ class Krs(Node):
         description="Of a `record`: materials by the number `mat` of its kernels, from 0. Left out: "
         "all is made of what the object is made of.",
     )
+    hyperbolic_forest: HyperbolicForest | None = Field(
+        default=None, alias="hyperbolic-forest", description="A forest on a plane of h3."
+    )
     twist: Twist | None = Field(default=None, description="Twist it about its z-axis. In e3.")
     empty_zones: Annotated[
         tuple[Zone, ...],
@@ -329,12 +342,12 @@ class Krs(Node):
             message = f"{geometry} has no mirrors, so that nothing can be doubled by them"
             yield Problem((), message, f"sequences are made in {', '.join(MIRRORED)}")
             return
-        if geometry not in (None, "e3"):
-            flat = [key for key in self.one_of if key != "levels"] + ["twist", "empty-zones"]
-            for key in flat:
-                if getattr(self, self.keys()[key]):
-                    message = f"this is made in e3, not in {geometry}"
-                    yield Problem((key,), message, "write 'levels', with mirrors and kernels", True)
+        for key in (*self.one_of, "twist", "empty-zones") if geometry is not None else ():
+            given = getattr(self, self.keys()[key])
+            made = given.geometries if isinstance(given, Recipe) else ("e3",)
+            if given and key != "levels" and geometry not in made:
+                message = f"this is made in {', '.join(made)}, not in {geometry}"
+                yield Problem((key,), message, "write 'levels', with mirrors and kernels", True)
         for key in ("levels", "moebius"):
             given = getattr(self, key)
             if given is not None and len(given) > MOST_LEVELS:

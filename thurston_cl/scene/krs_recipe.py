@@ -17,6 +17,8 @@ class Recipe(Node):
 
     # The fields that hold materials: kernel entry "mat" k of the record is painted with the k-th.
     roles: ClassVar[tuple[str, ...]] = ()
+    # Where it is made.
+    geometries: ClassVar[tuple[str, ...]] = ("e3",)
 
     def record(self) -> Mapping[str, Any]:
         """The model as `thurston_cl.krs.Model.from_dict` takes it."""
