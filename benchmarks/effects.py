@@ -11,13 +11,15 @@ from thurston_cl.scene.effect_files import EFFECTS
 LIGHT = "lights.0.point"
 TILE = "objects.0.material.color"
 # By the name in effect_files.EFFECTS: the settings that add the effect to scenes/effects.yaml. In h3 there is
-# no sun and no straight light; these two are measured in nil.
+# no sun and no straight light; these two are measured in nil. What belongs to e3, or needs a view that is not
+# closed by a cell, is measured there.
 SETTINGS = {
     "checker": [f"{TILE}={{checker: {{count: 8}}}}"],
     "grid": [f"{TILE}={{grid: {{count: 8}}}}"],
     "bands": [f"{TILE}={{bands: {{count: 8}}}}"],
     "strips": [f"{TILE}={{strips: {{count: 8, colors: [red, white]}}}}"],
     "image": [f"{TILE}={{image: earth}}"],
+    "noise": [f"{TILE}={{noise: {{octaves: 4}}}}"],
     "cell ids": ["outputs=[{file: ids.exr, channels: [beauty, cell]}]"],
     "light along all geodesics up to a length": [f"{LIGHT}.geodesics={{within: 9}}"],
     "light fading as 1/length": [f"{LIGHT}.falloff=inverse"],
@@ -34,6 +36,13 @@ SETTINGS = {
 IN_NIL = {
     "light along straight lines": "[{point: {at: [1, -1, 2], direction: straight}}]",
     "sun": "[{sun: {from: [0, 0, 1]}}]",
+}
+GROUND = "objects.1.material"
+IN_E3 = {
+    "sky": ["background={sky: {}}"],
+    "noise": [f"{GROUND}={{color: {{noise: {{octaves: 4}}}}}}"],
+    "triplanar": [f"{GROUND}={{color: {{triplanar: {{checker: {{}}}}}}}}"],
+    "slope": [f"{GROUND}={{color: {{slope: {{flat: green, steep: gray}}}}}}"],
 }
 # Beside the effects: what lights ask for more.
 MORE = {
@@ -61,7 +70,7 @@ def effects(device: Device, repeat: int) -> None:
     def each(name: str, sets: list[str], switch: bool | None = None) -> Contender:
         return contender(device, "effects.yaml", name, "single", lanes, "packet", sets=sets, switch=switch)
 
-    missing = set(EFFECTS) - set(SETTINGS) - set(IN_NIL)
+    missing = set(EFFECTS) - set(SETTINGS) - set(IN_NIL) - set(IN_E3)
     assert not missing, f"effects without a benchmark: {missing}"
     alone = SETTINGS | MORE
     together = [setting for name, sets in alone.items() if name in TOGETHER for setting in sets]
@@ -92,6 +101,15 @@ def effects(device: Device, repeat: int) -> None:
                 sets=["geometry=nil", f"lights={lights}"],
             )
             for name, lights in nil
+        ],
+        repeat,
+    )
+    flat = [("none", []), *IN_E3.items()]
+    race(
+        "what belongs to e3, over a ball and a plane",
+        [
+            contender(device, "unit-costs.yaml", name, "single", lanes, "packet", sets=sets)
+            for name, sets in flat
         ],
         repeat,
     )

@@ -66,6 +66,9 @@ CASES: dict[str, tuple[str, str, str]] = {
     "bands": (text(), text(color="{bands: {count: 8}}"), ""),
     "strips": (text(), text(color="{strips: {count: 8, colors: [red, white]}}"), ""),
     "image": (text(), text(color="{image: earth}"), ""),
+    "noise": (text(), text(color="{noise: {size: 0.3}}"), ""),
+    "triplanar": (text(), text(color="{triplanar: {checker: {count: 8}}}"), ""),
+    "slope": (text(), text(color="{slope: {flat: green, steep: gray}}"), ""),
     "light along straight lines": (
         text(geometry="nil", light="sun: {from: [0, 0, 1]}"),
         text(geometry="nil", light="point: {at: [0, 0, 2], direction: straight}"),
@@ -94,6 +97,7 @@ CASES: dict[str, tuple[str, str, str]] = {
         text(effects="fog: {linear: {length: 9}, on-lights: true}"),
         "",
     ),
+    "sky": (text(), text(more="background: {sky: {}}"), ""),
     "reflections": (
         text(),
         text(mirror=", reflectivity: 0.4", effects="reflections: {depth: 1}"),

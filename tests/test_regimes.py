@@ -36,6 +36,8 @@ R, T, M, S = "test_regimes", "test_twisted", "test_marching", "test_shapes_fibre
 SOL = "test_shapes_sol"
 E = "test_effects"
 IMAGE = "test_texture_image"
+NOISE = "test_noise"
+TRACERS = "test_tracers"
 _ITERATIONS = f"{T}.test_the_bound_of_iterations_is_far_from_what_is_needed"
 _LENGTHS = f"{R}.test_lengths_go_on_over_the_seams_of_the_solver"
 _LIGHT = "test_light_falloff.test_light_fades_by_its_law_until_it_is_far_brighter_than_white"
@@ -151,6 +153,18 @@ SEAMS: dict[str, dict[str, tuple[str, ...]]] = {
         "TEXEL_PAGE": (f"{IMAGE}.test_texels_are_found_on_both_sides_of_a_page",),
         "FOOTPRINT_STEP": (f"{IMAGE}.test_spread_on_a_ball",),
     },
+    "pattern/noise.h": {
+        "NOISE_HEAD": (f"{NOISE}.test_colors_follow_each_other_evenly", "colors.ravel()"),
+        "NOISE_SHARP_FROM": (f"{NOISE}.test_octaves_fade_until_a_pixel_is_as_long_as_their_cubes",),
+        "NOISE_GAIN": (f"{NOISE}.test_values_are_spread_as_the_gain_says",),
+        **{
+            f"NOISE_SHIFT_{axis}": (
+                f"{NOISE}.test_against_the_reference_and_the_same_bits_at_every_width",
+                "NOISE_SHIFT_",
+            )
+            for axis in "XYZ"
+        },
+    },
     "light/falloff_area.h": {"AREA_DENSITY_FLOOR": (_LIGHT,)},
     "light/falloff_inverse.h": {"LENGTH_FLOOR": (_LIGHT,)},
     "light/falloff_inverse_square.h": {"SQUARE_LENGTH_FLOOR": (_LIGHT,)},
@@ -160,6 +174,18 @@ SEAMS: dict[str, dict[str, tuple[str, ...]]] = {
         "OCCLUSION_RATIO": (f"{E}.test_ambient_occlusion_beside_a_wall", "OCCLUSION_RATIO"),
         "OCCLUSION_TELEPORTS": (f"{E}.test_ambient_occlusion_beyond_walls", "reach: 3"),
     },
+    "march/direct.h": {},
+    "march/relaxed.h": {"RELAXATION": (f"{TRACERS}.test_any_relaxation_ends_at_the_same",)},
+    "march/compound.h": {},
+    "march/binary.h": dict.fromkeys(
+        ("BINARY_BONUS", "BINARY_PENALTY", "BINARY_ACCURACY", "BINARY_FIRST"),
+        (f"{TRACERS}.test_any_growth_of_the_balls_ends_at_the_same",),
+    ),
+    "march/loop.h": {},
+    "block_start.cl": dict.fromkeys(
+        ("BLOCK_MIDDLE", "BLOCK_WORTH", "BLOCK_ROUNDING", "BLOCK_END"),
+        (f"{TRACERS}.test_blocks_start_before_the_surface",),
+    ),
     "march.h": {"WALL_SLACK": ("test_fibred_cells.test_rays_hit_the_first_ball_of_the_orbit", "over_walls")},
 }
 # Named, but no seams: what a geometry is, and pi.
@@ -172,7 +198,7 @@ def constants_of(part: str) -> set[str]:
 
 
 def test_every_file_with_a_constant_is_listed() -> None:
-    for folder in ("shape", "light"):
+    for folder in ("shape", "light", "march"):
         for file in (files("thurston_cl.kernels") / folder).iterdir():
             part = f"{folder}/{file.name}"
             assert part in SEAMS or not constants_of(part), part

@@ -744,6 +744,155 @@ MISTAKES = {
     "bands without a color": Mistake(
         f"{E3}textures: {{a: {{bands: {{colors: []}}}}}}\n", "3:32", "expected at least 1 entry, found 0"
     ),
+    "sky as a key of the scene": Mistake(
+        f"{E3}sky: {{}}\n", "3:1", "unknown key 'sky'", "write 'background: {sky: {...}}'"
+    ),
+    "sky as a word": Mistake(
+        f"{E3}background: sky\n", "3:13", "'sky' is not a color", "write 'background: {sky: {}}'"
+    ),
+    "background of nothing": Mistake(f"{E3}background: {{}}\n", "3:13", "a background needs one of: sky"),
+    "sky without its key": Mistake(
+        f"{E3}background: {{zenith: blue}}\n",
+        "3:14",
+        "unknown key 'zenith'",
+        "it belongs inside 'sky': write 'sky: {zenith: ...}'",
+    ),
+    "sun of a sky": Mistake(
+        f"{E3}background: {{sky: {{sun: [1, 0, 1]}}}}\n", "3:20", "unknown key 'sun'", "a sun is a light"
+    ),
+    **{
+        f"{key} of a sky": Mistake(
+            f"{E3}background: {{sky: {{{key}: blue}}}}\n", "3:20", f"unknown key '{key}'", f"'{meant}'"
+        )
+        for key, meant in (("top", "zenith"), ("bottom", "ground"))
+    },
+    "sky in s3": Mistake(
+        f"{S3}background: {{sky: {{}}}}\n",
+        "3:19",
+        "there is a sky in e3 and h3, not in s3",
+        "write a plain color, such as 'background: \"#dbe7f2\"'",
+        schema=False,
+    ),
+    "sky in a manifold of h3": Mistake(
+        f"{H3}manifold: seifert-weber\nbackground: {{sky: {{}}}}\n",
+        "4:19",
+        "in a manifold of h3 a ray reaches no point at infinity",
+        "leave the manifold out",
+        schema=False,
+    ),
+    "sky that a manifold turns": Mistake(
+        f"{E3}manifold: half-turn\nbackground: {{sky: {{up: [1, 0, 0]}}}}\n",
+        "4:19",
+        "this manifold turns the direction up of the sky",
+        "leave the manifold out",
+        schema=False,
+    ),
+    **{
+        f"{key} in s2xe": Mistake(
+            an_object(f"{{ball: {{radius: 1}}, material: {{color: {{{key}: {{{inside}}}}}}}}}", "s2xe"),
+            "3:44",
+            f"{key} is made in {where}, not in s2xe",
+            "use another pattern, such as 'grid: {}'",
+            schema=False,
+        )
+        for key, inside, where in (
+            ("noise", "", "e3, s3, h3"),
+            ("triplanar", "grid: {}", "e3"),
+            ("slope", "flat: red, steep: blue", "e3"),
+        )
+    },
+    **{
+        f"{key} for a material": Mistake(
+            f"{E3}materials: {{a: {{{key}: {{}}}}}}\n",
+            "3:17",
+            f"unknown key '{key}'",
+            f"'color: {{{key}: ...}}'",
+        )
+        for key in ("noise", "triplanar", "slope")
+    },
+    "noise of one color": Mistake(
+        f"{E3}textures: {{a: {{noise: {{colors: [red]}}}}}}\n", "3:32", "expected at least 2 entries, found 1"
+    ),
+    "noise of too many octaves": Mistake(
+        f"{E3}textures: {{a: {{noise: {{octaves: 13}}}}}}\n", "3:33", "octaves must be at most 12; this is 13"
+    ),
+    "noise of no octaves": Mistake(
+        f"{E3}textures: {{a: {{noise: {{octaves: 0}}}}}}\n", "3:33", "octaves must be at least 1; this is 0"
+    ),
+    "noise stretched by a number": Mistake(
+        f"{E3}textures: {{a: {{noise: {{stretch: 2}}}}}}\n", "3:33", "expected 3 numbers [x, y, z], found 2"
+    ),
+    "noise stretched to nothing": Mistake(
+        f"{E3}textures: {{a: {{noise: {{stretch: [1, 0, 1]}}}}}}\n", "3:37", "must be greater than 0"
+    ),
+    **{
+        f"{key} of noise": Mistake(
+            f"{E3}textures: {{a: {{noise: {{{key}: 2}}}}}}\n", "3:24", f"unknown key '{key}'", f"'{meant}'"
+        )
+        for key, meant in (
+            ("scale", "size"),
+            ("frequency", "size"),
+            ("count", "size"),
+            ("detail", "octaves"),
+            ("levels", "octaves"),
+        )
+    },
+    "triplanar noise": Mistake(
+        f"{E3}textures: {{a: {{triplanar: {{noise: {{}}}}}}}}\n", "3:28", "unknown key 'noise'", "known keys"
+    ),
+    "triplanar of nothing": Mistake(
+        f"{E3}textures: {{a: {{triplanar: {{size: 2}}}}}}\n",
+        "3:27",
+        "a triplanar pattern needs one of: checker, grid, bands, strips, image",
+        "triplanar: {image: earth, size: 0.5}",
+    ),
+    "slope of one paint": Mistake(
+        f"{E3}textures: {{a: {{slope: {{flat: red}}}}}}\n",
+        "3:23",
+        "a slope needs the key 'steep'",
+        "slope: {flat",
+    ),
+    "slope by an angle": Mistake(
+        f"{E3}textures: {{a: {{slope: {{flat: red, steep: blue, angle: 30 deg}}}}}}\n",
+        "3:48",
+        "unknown key 'angle'",
+        "the cosine of that angle",
+    ),
+    **{
+        f"{key} of a slope": Mistake(
+            f"{E3}textures: {{a: {{slope: {{flat: red, steep: blue, {key}: red}}}}}}\n",
+            "3:48",
+            f"unknown key '{key}'",
+            f"did you mean '{meant}'?",
+        )
+        for key, meant in (("grass", "flat"), ("top", "flat"), ("rock", "steep"), ("side", "steep"))
+    },
+    "slope at no cosine": Mistake(
+        f"{E3}textures: {{a: {{slope: {{flat: red, steep: blue, at: 28}}}}}}\n",
+        "3:52",
+        "at must be at most 1; this is 28",
+    ),
+    "unknown pattern inside a slope": Mistake(
+        f"{E3}textures: {{a: {{slope: {{flat: {{stripes: {{}}}}, steep: red}}}}}}\n",
+        "3:31",
+        "unknown key 'stripes'",
+        "did you mean 'strips'?",
+    ),
+    "texture inside itself": Mistake(
+        f"{E3}textures: {{a: {{slope: {{flat: $textures.a, steep: red}}}}}}\n",
+        "3:30",
+        "the texture 'a' contains itself",
+        "write a color or another texture here",
+        schema=False,
+    ),
+    "textures inside each other": Mistake(
+        f"{E3}textures:\n  a: {{slope: {{flat: $textures.b, steep: red}}}}\n"
+        "  b: {slope: {flat: $textures.a, steep: red}}\n",
+        "4:21",
+        "the texture 'b' contains itself",
+        "write a color or another texture here",
+        schema=False,
+    ),
     "strips of one color": Mistake(
         f"{E3}textures: {{a: {{strips: {{colors: [red]}}}}}}\n",
         "3:33",
@@ -1118,6 +1267,87 @@ MISTAKES = {
         f"{E3}render: {{far: 1e-5}}\n",
         "3:15",
         "far must be greater than threshold, which is 0.0001",
+        schema=False,
+    ),
+    "detail of no pixels": Mistake(
+        f"{E3}render: {{detail: 0}}\n", "3:18", "detail must be greater than 0; this is 0"
+    ),
+    "an unknown tracer": Mistake(
+        f"{E3}render: {{tracer: direkt}}\n",
+        "3:18",
+        "is not one of: auto, direct, relaxed",
+        "did you mean 'direct'?",
+    ),
+    "relaxed in a manifold": Mistake(
+        f"geometry: e3\nmanifold: three-torus\n{BALL}render: {{tracer: relaxed}}\n",
+        "4:10",
+        "tracer: relaxed needs the whole space, and this is a manifold",
+        "leave it out, or write 'tracer: direct'",
+        schema=False,
+    ),
+    "relaxed over a level plane": Mistake(
+        "geometry: nil\nobjects: [union: [{ball: {radius: 1}}, {slab: {normal: [0, 0, 1], thickness: 1}}]]\n"
+        "render: {tracer: relaxed}\n",
+        "3:10",
+        "tracer: relaxed needs distances all around; that of a level plane holds along the ray",
+        "leave it out, or write 'tracer: direct'",
+        schema=False,
+    ),
+    "compound in nil": Mistake(
+        "geometry: nil\nobjects: [{ball: {radius: 1}}, {ball: {radius: 1}}]\nrender: {tracer: compound}\n",
+        "3:10",
+        "tracer: compound flows along any length at once, which in nil is costly",
+        "leave it out, or write 'tracer: direct'",
+        schema=False,
+    ),
+    "compound of one object": Mistake(
+        f"{E3}render: {{tracer: compound}}\n",
+        "3:10",
+        "tracer: compound marches 2 to 16 objects by themselves, and here are 1, with the balls of lights",
+        "a union of objects is one object",
+        schema=False,
+    ),
+    "compound of too many objects": Mistake(
+        "geometry: e3\nobjects: [" + 16 * "{ball: {radius: 1}}, " + "]\n"
+        "lights: [point: {at: [0, 0, 3], ball: 0.1}]\nrender: {tracer: compound}\n",
+        "4:10",
+        "tracer: compound marches 2 to 16 objects by themselves, and here are 17, with the balls of lights",
+        "a union of objects is one object",
+        schema=False,
+    ),
+    "binary in h3": Mistake(
+        f"{H3}render: {{tracer: binary}}\n",
+        "3:10",
+        "tracer: binary is made for e3, not for h3",
+        "leave it out, or write 'tracer: direct'",
+        schema=False,
+    ),
+    "binary with soft shadows": Mistake(
+        f"{E3}lights: [{{point: {{at: [0, 0, 3]}}, shadows: soft}}]\nrender: {{tracer: binary}}\n",
+        "3:35",
+        "soft shadows need a distance, and tracer: binary asks for none",
+        "write 'shadows: hard', or another tracer",
+        schema=False,
+    ),
+    "blocks in h3": Mistake(
+        f"{H3}render: {{start: block}}\n",
+        "3:10",
+        "start: block needs e3, and this is h3",
+        "leave it out, or write 'start: pixel'",
+        schema=False,
+    ),
+    "blocks in a manifold": Mistake(
+        f"geometry: e3\nmanifold: three-torus\n{BALL}render: {{start: block}}\n",
+        "4:10",
+        "start: block needs the whole space, and this is a manifold",
+        "leave it out, or write 'start: pixel'",
+        schema=False,
+    ),
+    "blocks of a fisheye": Mistake(
+        f"{E3}camera: {{projection: {{fisheye: {{}}}}}}\nrender: {{start: block}}\n",
+        "4:10",
+        "start: block needs a perspective, and this is fisheye",
+        "leave it out, or write 'start: pixel'",
         schema=False,
     ),
     "distance without a manifold": Mistake(
@@ -1586,7 +1816,7 @@ MISTAKES = {
         f"{key} of a scene": Mistake(
             f"{E3}{key}: white\n", "3:1", f"unknown key '{key}'", "did you mean 'background'?"
         )
-        for key in ("environment", "sky")
+        for key in ("environment",)
     },
     **{
         f"{key} of linear fog": Mistake(

@@ -158,6 +158,7 @@ PARTS = (
     "scene_types.h",
     "shape/angles.h",
     "shape/ball.h",
+    "pattern/footprint.h",
     "pattern/image.h",
     "pattern/color_in_turn.h",
     "pattern/strips.h",

@@ -341,7 +341,7 @@ class TileRenderer:
             self.trace(tile, shift, self.finish)
             return
         self.trace(tile, shift, "packet" if self.finish == "auto" else self.finish)
-        t, steps, _, end = self._first_look(tile)
+        t, steps, _, end = self.records(tile)
         marched = (steps > 0) | (end > 0)
         # A tile may lie outside a round picture.
         self._looked = bool(marched.any())
@@ -358,7 +358,7 @@ class TileRenderer:
                 ("camera",), f"the {who} is inside an object: no ray gets anywhere", "move it into the open"
             )
 
-    def _first_look(self, tile: Tile) -> NDArray[np.floating]:
+    def records(self, tile: Tile) -> NDArray[np.floating]:
         """Arc length, steps, cell and end (4, pixels) of the rays just traced, the head of their records."""
         import pyopencl as cl
 

@@ -24,7 +24,7 @@ FN real krs_lens_leaf_distance(point x, scene_data scene, int k)
 {
   from_lens f = beside_lens(x, scene, k);
   real from_rim = f.spread - number(scene, k + 12), y = f.height - number(scene, k + 13), root;
-  real from_face = above_bulge(y, fma(y, y, f.square), number(scene, k + 14), &root);
+  real from_face = above_bulge(y, f.square, number(scene, k + 14), &root);
   return SELECT(f.beside_rim, sqrt(fma(f.height, f.height, from_rim * from_rim)), from_face);
 }
 

@@ -5,10 +5,12 @@
 // The largest ball about the image that fits has radius 1/rho' = (1/lambda)(1/rho + 1/D), lambda the factor and D the distance of the
 // pole: affine in 1/rho, so that walking inwards two numbers A and B tell for a kernel at distance d the radius 1/(A/d + B) of a free
 // ball about the point in the world (krs.md 5). Never above the distance; near a surface it is the distance itself (0.98 of it at 0.1
-// of a radius above, 0.9998 at 0.001). A ball that holds L_i lets the bound grow where all of L_i is far.
+// of a radius above, 0.9998 at 0.001). But it is no more than half the distance from the pole of a map, where there is nothing: there a
+// ball that holds L_i tells that all of it is far.
 //
-// Numbers: n; then for i = n - 1 ... 0 the inverse of G_i, a width, the ball that holds L_i (centre, radius; or radius < 0), K_{i+1};
+// Numbers: n; the ball that holds all (centre, radius; or radius < 0); then for i = n - 1 ... 0 the inverse of G_i, a width, the ball that holds L_i (centre, radius; or radius < 0), K_{i+1};
 // then K_0.
+#define MOEBIUS_HEAD 5
 #define BALL_PLACE (MOEBIUS_SIZE + 1)
 #define MOEBIUS_KERNEL (BALL_PLACE + 4)
 #define MOEBIUS_LEVEL (MOEBIUS_KERNEL + KERNEL_SIZE)
@@ -28,6 +30,15 @@ FN void leave_room_for(least_radius *least, point x, real a, real b, scene_data 
   least->divisor = SELECT(less, divisor, least->divisor);
 }
 
+// How much room a ball of the buffer leaves for the point; where there is none, none is known.
+FN real outside_ball(point x, real a, real b, scene_data scene, int k)
+{
+  if (!(scene.numbers[k + 3] >= 0)) return REAL(-INFINITY);
+  direction from = add_scaled_3(first_3(x), three_numbers(scene, k), REAL(-1));
+  real d = sqrt(dot_3(from, from)) - number(scene, k + 3);
+  return d / radius_divisor(d, a, b);
+}
+
 FN point mirrored(point x)
 {
   x.x = -fabs(x.x);
@@ -39,8 +50,9 @@ SOLVER real moebius_sequence_distance_at(const point *p, scene_data scene, int k
   point x = *p;
   // Up to the next ball, which says how far all that follows is at least.
   least_radius none = {REAL(INFINITY), REAL(1)}, least = none;
-  real a = REAL(1), b = REAL(0), bound = REAL(INFINITY), outside = REAL(-INFINITY);
-  int levels = (int)scene.numbers[k++];
+  real a = REAL(1), b = REAL(0), bound = REAL(INFINITY), outside = outside_ball(x, a, b, scene, k + 1);
+  int levels = (int)scene.numbers[k];
+  k += MOEBIUS_HEAD;
   for (int i = 0; i < levels; i++, k += MOEBIUS_LEVEL) {
     pole_view v = seen_from_pole(x, scene, k);
     real share = REAL(1) / v.distance_square;
@@ -52,9 +64,7 @@ SOLVER real moebius_sequence_distance_at(const point *p, scene_data scene, int k
     if (scene.numbers[k + BALL_PLACE + 3] >= 0) {
       bound = fmin(bound, fmax(least.numerator / least.divisor, outside));
       least = none;
-      direction from = add_scaled_3(first_3(x), three_numbers(scene, k + BALL_PLACE), REAL(-1));
-      real d = sqrt(dot_3(from, from)) - number(scene, k + BALL_PLACE + 3);
-      outside = fmax(outside, d / radius_divisor(d, a, b));
+      outside = fmax(outside, outside_ball(x, a, b, scene, k + BALL_PLACE));
     }
   }
   leave_room_for(&least, x, a, b, scene, k);
@@ -69,7 +79,8 @@ SOLVER mask moebius_sequence_unbounding_at(const point *c, const real *radius, s
   point x = *c;
   real r = *radius;
   mask ok = r >= REAL(0);
-  int levels = (int)scene.numbers[k++];
+  int levels = (int)scene.numbers[k];
+  k += MOEBIUS_HEAD;
   for (int i = 0; i < levels && ANY(ok); i++, k += MOEBIUS_LEVEL) {
     moebius_ball(&x, &r, &ok, scene, k);
     ok &= kernel_distance(x, scene, k + MOEBIUS_KERNEL) >= r;
@@ -88,7 +99,7 @@ SOLVER void moebius_sequence_surface_at(const point *p, surface *s, scene_data s
 {
   point x = *p, before[MOST_LEVELS];
   real shares[MOST_LEVELS], a = REAL(1), factor;
-  int levels = (int)scene.numbers[k], first = k + 1, innermost = first + levels * MOEBIUS_LEVEL;
+  int levels = (int)scene.numbers[k], first = k + MOEBIUS_HEAD, innermost = first + levels * MOEBIUS_LEVEL;
   // Which kernel is nearest in the world: near a surface to first order, distance over factor.
   real least = REAL(INFINITY);
   nearest_kernel best = {REAL(INFINITY), REAL(0), x};

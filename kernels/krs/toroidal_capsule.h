@@ -19,7 +19,7 @@ FN from_arc beside_arc(point x, scene_data scene, int k)
 FN real krs_toroidal_capsule_distance(point x, scene_data scene, int k)
 {
   from_arc f = beside_arc(x, scene, k);
-  real root, in_plane = above_bulge(f.out, fma(f.chord, f.chord, f.out * f.out), number(scene, k + 12), &root);
+  real root, in_plane = above_bulge(f.out, f.chord * f.chord, number(scene, k + 12), &root);
   real u = fabs(f.chord) - number(scene, k + 15), v = f.out - number(scene, k + 16);
   real square = SELECT(f.beyond, fma(u, u, v * v), in_plane * in_plane);
   return sqrt(fma(f.across, f.across, square)) - number(scene, k + 17);
@@ -29,7 +29,7 @@ FN surface krs_toroidal_capsule_surface(point x, scene_data scene, int k)
 {
   from_arc f = beside_arc(x, scene, k);
   real curvature = number(scene, k + 12), root;
-  real in_plane = above_bulge(f.out, fma(f.chord, f.chord, f.out * f.out), curvature, &root);
+  real in_plane = above_bulge(f.out, f.chord * f.chord, curvature, &root);
   // The direction from the centre in the plane of the arc, of length `root`.
   real right = curvature * f.chord, up = fma(curvature, f.out, REAL(1)), share = in_plane / fmax(root, REAL(TINY));
   real along_chord = SELECT(f.beyond, f.chord - copysign(number(scene, k + 15), f.chord), share * right);

@@ -8,7 +8,14 @@ FN real3_lanes seen_with_reflections(ray r, look *first, int depth, int max_step
     look l = look_at(r, from + r.t, max_steps, scene, done);
     if (bounce == 0) *first = l;
     real mirrored = bounce < depth ? SELECT(r.hit, l.s.m.reflectivity, REAL(0)) : REAL(0);
+#ifdef SKY
+    // Lanes that are done hold any ray, of which 0 times the sky may be none.
+    l.color = select_3(share > REAL(0), scene_under_sky(r, l.color, scene), l.color);
+    // What is behind everything is behind no fog.
+    real to = SELECT(r.hit, from + r.t, from);
+#else
     real to = SELECT(r.hit, from + r.t, REAL(INFINITY));
+#endif
     real left = scene_clear(to, scene) / fmax(scene_clear(from, scene), REAL(TINY));
     seen = add_scaled_3(seen, scene_air(scale_3(l.color, REAL(1) - mirrored), left, scene), share);
     share *= left * mirrored;

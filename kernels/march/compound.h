@@ -1,17 +1,20 @@
 // march/compound.h - every object of the scene is marched by itself (kernel-reflection sequences, sections 5.1 and 10): each component has a
 // length of its own up to which the ray is free of it, and the nearest is asked for next. A ray that passes close by one object takes
-// short steps for that one alone. In the whole space, where any length is flowed along at once: isotropic geometries and products.
+// short steps for that one alone, and none for one whose ball it does not enter (march/stretch.h). In the whole space, where any length is flowed along at once: isotropic geometries and products.
 //
 // The lanes of a packet differ in which component is nearest: the one that is so in most lanes is asked for in all that can use it, those
 // not ended in which it lies before what they have already met. (To ask for the one that is least far in any lane takes more steps of
 // the packet.) What a lane ends at does not depend on the others; the count of its steps does.
 FN real scene_component(int k, point p, vector v, scene_data scene);
+// Along which stretch of the ray, from where it begins, the k-th can be met.
+FN stretch scene_stretch(int k, ray r, scene_data scene);
 
 typedef struct {
   point p;
   vector v;
   real from;                // where the ray began, and the length of its way then
   real t[COMPONENTS];       // how far it is free of each component, from there; +infinity where that is met or left out
+  real leave[COMPONENTS];   // beyond which none of it is met
   real steps[COMPONENTS];
   real end;                 // the least length at which a component is met or out of steps, from there
   mask met, asked;          // whether it is met at the end; lanes in which the last step asked
@@ -29,7 +32,9 @@ FN progress begin(ray r, scene_data scene)
 {
   progress at = {r.p, r.v, r.t};
   for (int k = 0; k < COMPONENTS; k++) {
-    at.t[k] = REAL(scene.skipped == k + 1 ? INFINITY : 0);
+    stretch s = scene_stretch(k, r, scene);
+    at.t[k] = scene.skipped == k + 1 ? REAL(INFINITY) : s.enter;
+    at.leave[k] = s.leave;
     at.steps[k] = REAL(0);
   }
   at.end = REAL(INFINITY);
@@ -45,6 +50,7 @@ FN progress select_progress(mask m, progress a, progress b)
   at.from = SELECT(m, a.from, b.from);
   for (int k = 0; k < COMPONENTS; k++) {
     at.t[k] = SELECT(m, a.t[k], b.t[k]);
+    at.leave[k] = SELECT(m, a.leave[k], b.leave[k]);
     at.steps[k] = SELECT(m, a.steps[k], b.steps[k]);
   }
   at.end = SELECT(m, a.end, b.end);
@@ -107,7 +113,7 @@ FN ray march_step(ray r, progress *at, real limit, int max_steps, scene_data sce
   at->met = (at->met & NOT(spent)) | met;
   real left = most - t;
   t += SELECT(distance > left, left, distance);
-  t = SELECT(met | spent, REAL(INFINITY), t);
+  t = SELECT(met | spent | (t > at->leave[k]), REAL(INFINITY), t);
   at->t[k] = SELECT(at->asked, t, at->t[k]);
   // A NaN ends the lane.
   mask lost = at->asked & NOT(distance == distance);

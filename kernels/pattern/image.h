@@ -1,18 +1,14 @@
 // image.h - an image as the colour of a surface: which colour does the pixel see, of the image and its halvings?
 //
-// METHOD. A pixel's beam is as wide as the pixel's angle times the root of the area density (paper 5.7, 7.5), and covers the more of the
-// surface the more it grazes. From how fast the surface coordinates change there follows how many texels that area holds, and from
-// this the level of the pyramid whose texels are as large: bilinear look-up in the two levels around it, and in between by the
-// logarithm of the size (Williams, Pyramidal parametrics, 1983). One area, not two widths: near the poles of a globe, where the
-// texels crowd, it stays sharp.
+// METHOD. From how fast the surface coordinates change there follows how many texels the footprint of the pixel holds
+// (footprint.h), and from this the level of the pyramid whose texels are as large: bilinear look-up in the two levels around it,
+// and in between by the logarithm of the size (Williams, Pyramidal parametrics, 1983). One area, not two widths: near the poles of
+// a globe, where the texels crowd, it stays sharp.
 //
 // Numbers of an image, from k: how many levels; 1 where v ends at the poles, 0 where it repeats as u does everywhere; the size of the
 // image, in units of u and of v; for each level, the largest first, the place of its first texel in scene.texels, in pages and beyond
 // them (in single precision the sum would not be exact), its width and its height in texels. Texels are red, green, blue, rows from
 // the top, where v is greatest.
-//
-// Behind a mirror the way is taken as if it were one geodesic as long: right for flat mirrors of isotropic geometries, elsewhere an
-// image may be too sharp or too soft.
 #define IMAGE_HEAD 4
 #define IMAGE_LEVEL 4
 #define TEXEL_PAGE 65536
@@ -20,21 +16,6 @@
 // Surface coordinates are compared over the width of the beam, and over no more than this: farther away balls have other sides, and
 // where their distance is costly no coordinates (ball.h).
 #define FOOTPRINT_STEP C(0.015625)
-
-// The width of the beam of a pixel, and the area of the surface that it covers.
-typedef struct { real width, area; } footprint;
-
-// Of the ray that arrives at p along v, after the length t, on a surface with this gradient.
-FN footprint footprint_of(point p, vector v, real t, covector gradient, scene_data scene)
-{
-  direction back = pull(p, v), normal = pull_covector(p, gradient);
-  back = scale_3(back, -rsqrt(dot_3(back, back)));
-  // The area density of a geodesic is the same both ways.
-  footprint f;
-  f.width = number(scene, PIXEL_ANGLE) * sqrt(fabs(area_density(back, t, REAL(0))));
-  f.area = f.width * f.width / fabs(dot_3(back, normal) * rsqrt(dot_3(normal, normal)));
-  return f;
-}
 
 FN real footprint_step(footprint f) { return fmin(f.width, REAL(FOOTPRINT_STEP)); }
 

@@ -50,13 +50,19 @@ class Balls:
             )
         return Balls(centers, radii)
 
-    def enclosing(self) -> tuple[Array, float] | None:
-        """A ball (center, radius) that holds all of them, None where there are none."""
+    def enclosing(self) -> tuple[Array, float]:
+        """A ball (center, radius) that holds all of them; of none a point."""
         if len(self.radii) == 0:
-            return None
+            return np.zeros(3), 0.0
         low = np.min(self.centers - self.radii[:, None], axis=0)
         high = np.max(self.centers + self.radii[:, None], axis=0)
         center = 0.5 * (low + high)
+        return center, self.reach(center)
+
+    def enclosing_on_axis(self) -> tuple[Array, float]:
+        """The same with its center on the z-axis."""
+        low, high = np.min(self.centers[:, 2] - self.radii), np.max(self.centers[:, 2] + self.radii)
+        center = np.array([0.0, 0.0, 0.5 * (low + high)])
         return center, self.reach(center)
 
     def reach(self, point: Array) -> float:

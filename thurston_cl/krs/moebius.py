@@ -72,6 +72,11 @@ class Map:
         return float((product(conjugate(d), a) + product(conjugate(b), c))[0])
 
     @property
+    def has_pole(self) -> bool:
+        """Whether a point goes to infinity: whether it is no similarity."""
+        return self.numbers[0] > 0
+
+    @property
     def inverse(self) -> "Map":
         """The inverse, up to a real factor: of conjugates only."""
         (a, b), (c, d) = self.matrix

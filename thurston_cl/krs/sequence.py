@@ -114,16 +114,12 @@ class Sequence(_Levels):
         if not self.bounded:
             return math.inf
         if self.geometry == "e3":
-            return self._balls.reach(np.zeros(3))
+            return self.balls.reach(np.zeros(3))
         return self._curved_radius()
 
-    @property
-    def radius_about_axis(self) -> float:
-        """How far it reaches from the z-axis of e3 at most."""
-        return self._balls.reach_about_axis() if self.bounded else math.inf
-
     @cached_property
-    def _balls(self) -> Balls:
+    def balls(self) -> Balls:
+        """Balls of e3 that hold it, if it is bounded."""
         balls = Balls.none().with_ball(self.kernels[0].ball)
         for mirror, kernel in zip(self.mirrors, self.kernels[1:], strict=True):
             offset = -float(mirror.form[3] + mirror.form[4])
@@ -204,24 +200,33 @@ class MoebiusSequence(_Levels):
         return self._packed(level_balls=False)
 
     def _packed(self, *, level_balls: bool) -> list[float]:
-        numbers = [float(self.levels)]
+        none = [0.0, 0.0, 0.0, -1.0]
+
+        def held(level: int) -> list[float]:
+            """The ball that holds a level, where it has one: next to the pole of its map nothing else tells
+            that all of it is far.
+            """
+            useful = (self.levels - level) % LEVELS_BETWEEN_BALLS == 0
+            useful |= level > 0 and self.maps[level - 1].has_pole
+            if not (level_balls and useful and len(self._balls[level].radii)):
+                return none
+            center, radius = self._balls[level].enclosing()
+            return [*center, radius]
+
+        numbers = [float(self.levels), *held(self.levels)]
         for i in range(self.levels - 1, -1, -1):
-            ball = self._held[i]
-            held = [0.0, 0.0, 0.0, -1.0]
-            if level_balls and ball is not None and (self.levels - i) % LEVELS_BETWEEN_BALLS == 0:
-                held = [*ball[0], ball[1]]
-            numbers += [*self.maps[i].inverse.numbers, self.widths[i], *held, *self.kernels[i + 1].numbers]
+            numbers += [*self.maps[i].inverse.numbers, self.widths[i], *held(i), *self.kernels[i + 1].numbers]
         return numbers + self.kernels[0].numbers
 
     @property
     def radius(self) -> float:
         """How far it reaches from the origin at most."""
-        return self._balls[-1].reach(np.zeros(3))
+        return self.balls.reach(np.zeros(3))
 
     @property
-    def radius_about_axis(self) -> float:
-        """How far it reaches from the z-axis at most."""
-        return self._balls[-1].reach_about_axis()
+    def balls(self) -> Balls:
+        """Balls that hold it."""
+        return self._balls[-1]
 
     @cached_property
     def _balls(self) -> list[Balls]:
@@ -231,10 +236,6 @@ class MoebiusSequence(_Levels):
             whole = levels[-1].mirrored(np.array([1.0, 0.0, 0.0]), 0.0).with_ball(kernel.ball)
             levels.append(whole.mapped(map_.sphere_image))
         return levels
-
-    @cached_property
-    def _held(self) -> list[tuple[Array, float] | None]:
-        return [balls.enclosing() for balls in self._balls]
 
     def clipped(self) -> list[tuple[int, float]]:
         """Kernels that reach beyond their own mirror; here only K_0 stands in the same space as its

@@ -34,6 +34,9 @@ class Context:
     lattice: "Lattice | None" = None  # of the scene's manifold, once that is checked
     folder: Path = field(default_factory=Path.cwd)  # of the scene, from which the files are that it names
     _entries: dict[tuple[str, str], Any] = field(default_factory=dict)
+    # Entries that are being checked, and those that were found to lead back to themselves.
+    _open: set[tuple[str, str]] = field(default_factory=set)
+    _endless: set[tuple[str, str]] = field(default_factory=set)
 
     @classmethod
     def of(cls, data: Mapping[str, Any], folder: Path | None = None) -> Self:
@@ -57,13 +60,22 @@ class Context:
         """The names that a section of the scene defines."""
         return list(self.sections.get(section, ()))
 
+    def contains_itself(self, section: str, name: str) -> bool:
+        """Whether an entry that was looked up leads back to itself."""
+        return (section, name) in self._endless
+
     def entry(self, section: str, name: str, model: type[Model]) -> Model | None:
         """The named entry of a section; None if it is wrong, which is reported where it stands."""
+        if (section, name) in self._open:
+            self._endless.add((section, name))
+            return None
         if (section, name) not in self._entries:
+            self._open.add((section, name))
             try:
                 entry = model.model_validate(self.sections[section][name], context=self)
             except ValidationError:
                 entry = None
+            self._open.discard((section, name))
             self._entries[section, name] = entry
         found: Model | None = self._entries[section, name]
         return found

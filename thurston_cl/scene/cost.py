@@ -15,6 +15,8 @@ LIGHT = {"e3": 1.2, "s3": 0.8, "h3": 1.1, "s2xe": 0.5, "h2xe": 0.6, "nil": 0.8, 
 AREA = {"e3": 0.1, "s3": 0.3, "h3": 0.1, "s2xe": 0.2, "h2xe": 0.1, "nil": 0.1, "sl2": 0.1, "sol": 4.7}
 # The surface at two more places, in steps, for the beam of a pixel on an image.
 FOOTPRINT = 2.0
+# One octave of noise, in steps.
+OCTAVE = 0.6
 # Looking up the cell at every wall, in steps of a first ray all together.
 CELLS = 3.0
 # How many geodesics are solved for where all up to a length count.
@@ -57,6 +59,8 @@ def predict(geometry: str, asked: Mapping[str, float]) -> dict[str, Cost]:
                 work, steps = "mirrored rays if all one sees is a mirror", MIRRORED_STEPS
             case "pattern/image.h":
                 work, steps = "footprints", FOOTPRINT + AREA[geometry]
+            case "pattern/noise.h":
+                work, steps = "octaves", OCTAVE
             case "light/within.h":
                 work, steps = "lights", (GEODESICS_WITHIN - 1) * LIGHT[geometry]
             case "cells.h":

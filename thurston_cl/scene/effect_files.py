@@ -9,6 +9,9 @@ EFFECTS = {
     "bands": "pattern/bands.h",
     "strips": "pattern/strips.h",
     "image": "pattern/image.h",
+    "noise": "pattern/noise.h",
+    "triplanar": "pattern/triplanar.h",
+    "slope": "pattern/slope.h",
     "cell ids": "cells.h",
     "light along straight lines": "light/direction_field.h",
     "sun": "light/sun.h",
@@ -22,6 +25,7 @@ EFFECTS = {
     "exponential fog": "light/fog_exponential.h",
     "linear fog": "light/fog_linear.h",
     "fog between lights and surfaces": "light/light_in_fog.h",
+    "sky": "light/sky.h",
     "reflections": "light/reflection.h",
 }
 
@@ -35,6 +39,9 @@ SUPPORT = (
     "light/shadow_to_sun.h",
     "light/fog.h",
 )
+
+# Files of pattern/ that several patterns share; they come before the others.
+PATTERN_SUPPORT = ("pattern/color_in_turn.h", "pattern/footprint.h")
 
 # These follow the text of the scene's own light.
 AFTER_LIGHT = ("light/look.h", "light/reflection.h")

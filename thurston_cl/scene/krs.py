@@ -14,6 +14,8 @@ from thurston_cl.models import ISOTROPIC, PRODUCTS
 from .base import Node, Problem, problem, shown
 from .context import Context, context_of
 from .krs_curved import HyperbolicForest
+from .krs_grounds import FishSchool, PalmLeaf, Rock, Sponge, Terrain
+from .krs_plants import Coral, Forest, Shrub, Tree
 from .krs_recipe import Recipe
 from .points import Point
 from .surfaces import Material, MaterialValue, OptionalMaterial
@@ -174,23 +176,6 @@ class Level(Node):
     kernel: Kernel | None = Field(default=None, description="What is added after that. Left out: nothing.")
 
 
-class MapStep(Node):
-    """One step of a conformal map."""
-
-    what = "a step of a map"
-    example = "- {move: [0, 0, 1]}"
-    one_of = ("move", "turn", "scale", "bend")
-
-    move: Vec3 | None = Field(default=None, description="Move by a vector.")
-    turn: "MapTurn | None" = Field(default=None, description="Turn about an axis through the origin.")
-    scale: Positive | None = Field(default=None, description="Make larger or smaller about the origin.")
-    bend: Vec3 | None = Field(
-        default=None,
-        description="Bend by an inversion, a move by this vector v and an inversion: the origin stays, with "
-        "its directions, and the point v/|v|² goes to infinity.",
-    )
-
-
 class MapTurn(Node):
     """A turn about an axis through the origin, right-handed."""
 
@@ -199,6 +184,23 @@ class MapTurn(Node):
 
     axis: Direction = Field(description="The axis.")
     angle: Angle = Field(description="How far to turn.")
+
+
+class MapStep(Node):
+    """One step of a conformal map."""
+
+    what = "a step of a map"
+    example = "- {move: [0, 0, 1]}"
+    one_of = ("move", "turn", "scale", "bend")
+
+    move: Vec3 | None = Field(default=None, description="Move by a vector.")
+    turn: MapTurn | None = Field(default=None, description="Turn about an axis through the origin.")
+    scale: Positive | None = Field(default=None, description="Make larger or smaller about the origin.")
+    bend: Vec3 | None = Field(
+        default=None,
+        description="Bend by an inversion, a move by this vector v and an inversion: the origin stays, with "
+        "its directions, and the point v/|v|² goes to infinity.",
+    )
 
 
 class MoebiusLevel(Node):
@@ -267,7 +269,10 @@ def _record(value: Any) -> Any:
         raise problem(f"this record makes no sense: {error}", f"for example {_RECORD}") from None
 
 
-_RECORD = "record: {mirrors: [{u: [1, 0, 0], w: 0.5}], kernels: [{type: sphere, c: [0, 0, 0], r: 0.4}, {type: empty}]}"
+_RECORD = (
+    "record: {mirrors: [{u: [1, 0, 0], w: 0.5}], kernels: [{type: sphere, c: [0, 0, 0], r: 0.4}, "
+    "{type: empty}]}"
+)
 
 
 class Krs(Node):
@@ -277,7 +282,21 @@ class Krs(Node):
 
     what = "a sequence"
     example = "krs: {tree: {seed: 3}}"
-    one_of = ("levels", "moebius", "record", "hyperbolic-forest")
+    one_of = (
+        "levels",
+        "moebius",
+        "record",
+        "tree",
+        "shrub",
+        "forest",
+        "coral",
+        "rock",
+        "terrain",
+        "sponge",
+        "fish-school",
+        "palm-leaf",
+        "hyperbolic-forest",
+    )
     hints: ClassVar[Mapping[str, str]] = {
         "mirrors": "write 'levels: [{mirror: ..., kernel: ...}, ...]', and 'kernel' for the innermost one",
         "material": "'material' stands beside 'krs', or with a kernel of its levels",
@@ -308,6 +327,17 @@ class Krs(Node):
         alias="made-of",
         description="Of a `record`: materials by the number `mat` of its kernels, from 0. Left out: "
         "all is made of what the object is made of.",
+    )
+    tree: Tree | None = Field(default=None, description="A tree. In e3, as the next ones.")
+    shrub: Shrub | None = Field(default=None, description="A shrub.")
+    forest: Forest | None = Field(default=None, description="A forest of one tree, and its ground.")
+    coral: Coral | None = Field(default=None, description="A coral.")
+    rock: Rock | None = Field(default=None, description="A rock.")
+    terrain: Terrain | None = Field(default=None, description="Hills, or the bottom of the sea.")
+    sponge: Sponge | None = Field(default=None, description="A sponge.")
+    fish_school: FishSchool | None = Field(default=None, alias="fish-school", description="A school of fish.")
+    palm_leaf: PalmLeaf | None = Field(
+        default=None, alias="palm-leaf", description="The leaf of a palm, as a Moebius sequence."
     )
     hyperbolic_forest: HyperbolicForest | None = Field(
         default=None, alias="hyperbolic-forest", description="A forest on a plane of h3."

@@ -12,16 +12,9 @@ from thurston_cl.krs.sequence import MOST_LEVELS
 
 from .base import Problem, problem, shown
 from .context import Context
-from .krs_recipe import Recipe
+from .krs_recipe import Recipe, within
 from .surfaces import Material, MaterialValue
 from .values import Angle, Number, Positive, Ratio, Says, Seed, Weight, color, whole_number
-
-
-def _from_five_to_sixty(angle: float) -> float:
-    # An angle in degrees is rounded.
-    if not 5 - 1e-9 <= math.degrees(angle) <= 60 + 1e-9:
-        raise problem(f"expected an angle from 5 deg to 60 deg; this is {math.degrees(angle):.10g} deg")
-    return angle
 
 
 def _not_negative(value: float) -> float:
@@ -33,7 +26,7 @@ def _not_negative(value: float) -> float:
 Doublings = Annotated[int, Ge(1), Le(30), BeforeValidator(whole_number), Says("whole number from 1 to 30")]
 Forks = Annotated[int, Ge(1), Le(12), BeforeValidator(whole_number), Says("whole number from 1 to 12")]
 Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole number from 0 to 8")]
-Spread = Annotated[Angle, AfterValidator(_from_five_to_sixty), Says("angle from 5 deg to 60 deg")]
+Spread = Annotated[Angle, within(5, 60), Says("angle from 5 deg to 60 deg")]
 Width = Annotated[Number, AfterValidator(_not_negative), Says("number ≥ 0")]
 
 

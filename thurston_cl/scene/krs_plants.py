@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar
 
 from annotated_types import Ge, Le
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import BeforeValidator, Field
 
 from thurston_cl.krs.recipes.coral import coral
 from thurston_cl.krs.recipes.forest import forest
@@ -13,33 +13,19 @@ from thurston_cl.krs.recipes.shrub import shrub
 from thurston_cl.krs.recipes.tree import tree
 from thurston_cl.krs.sequence import MOST_LEVELS
 
-from .base import Problem, problem
+from .base import Problem
 from .context import Context
-from .krs_recipe import Recipe
+from .krs_recipe import Recipe, within
 from .surfaces import Material, MaterialValue
 from .values import Angle, Flag, Positive, Ratio, Says, Seed, Weight, color, whole_number
-
-
-def _within(low: float, high: float) -> AfterValidator:
-    """Angles between two, in degrees."""
-
-    def check(angle: float) -> float:
-        degrees = math.degrees(angle)
-        # An angle in degrees is rounded.
-        if not low - 1e-9 <= degrees <= high + 1e-9:
-            raise problem(f"expected an angle from {low:g} to {high:g} deg; this is {degrees:.10g} deg")
-        return angle
-
-    return AfterValidator(check)
-
 
 Levels = Annotated[int, Ge(1), Le(30), BeforeValidator(whole_number), Says("whole number from 1 to 30")]
 Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole number from 0 to 8")]
 Doublings = Annotated[int, Ge(1), Le(24), BeforeValidator(whole_number), Says("whole number from 1 to 24")]
 # Wider forks, or branches that turn back, would go through those before them.
-Spread = Annotated[Angle, _within(5, 60), Says("angle from 5 deg to 60 deg")]
-Outwards = Annotated[Angle, _within(0, 70), Says("angle from 0 deg to 70 deg")]
-Roll = Annotated[Angle, _within(0, 5), Says("angle from 0 deg to 5 deg")]
+Spread = Annotated[Angle, within(5, 60), Says("angle from 5 deg to 60 deg")]
+Outwards = Annotated[Angle, within(0, 70), Says("angle from 0 deg to 70 deg")]
+Roll = Annotated[Angle, within(0, 5), Says("angle from 0 deg to 5 deg")]
 
 _SPREAD = "How far the two branches of the first fork turn aside, on average; later forks are {}."
 _TURN = "By how much the plane of a fork turns about the branch from one fork to the next."
@@ -49,6 +35,15 @@ _LEAVES = "How often the leaves of a twig are doubled: it has 2^(leaves + 1) −
 _SEED = "Another number is another {}."
 _BARK = Material(color=color("#6b4f3c"), specular=0.05, diffuse=0.85)
 _LEAF = Material(color=color("#4c8a2f"), specular=0.1, diffuse=0.8)
+_SOIL = Material(color=color("#6f7a45"), specular=0.0, diffuse=0.9)
+_BODY = Material(color=color("#c4573f"))
+_TIP = Material(color=color("#f2dcc6"))
+
+
+def _material(default: Material, what: str, looks: str) -> Any:
+    """The field of the material of something, and what it looks like if it is left out."""
+    description = f"The material of {what}. Left out: {looks}."
+    return Field(default=default, description=description, json_schema_extra={"default": "see there"})
 
 
 class Plant(Recipe):
@@ -72,8 +67,8 @@ class Plant(Recipe):
 
 
 class Tree(Plant):
-    """A tree (KRS paper, 9.2), at the origin, on the ground z = 0, which is not part of it. It is about 3.5
-    trunks high and as wide, with 8192 twigs, each with 14 leaves. Its branches are mirror images of those of
+    """A tree (KRS paper, 9.2), at the origin, on the ground z = 0, which is not part of it. It is about 4
+    trunks high and as wide, with 4096 twigs, each with 14 leaves. Its branches are mirror images of those of
     one route from trunk to twig, found by chance from the seed."""
 
     what = "a tree"
@@ -81,7 +76,7 @@ class Tree(Plant):
     roles: ClassVar[tuple[str, ...]] = ("bark", "leaf")
     counted: ClassVar[tuple[str, ...]] = ("levels", "leaves")
     hints: ClassVar[Mapping[str, str]] = {
-        "height": "write 'trunk', the length of the trunk: a tree is about 3.5 times as high",
+        "height": "write 'trunk', the length of the trunk: a tree is about 4 times as high",
         "angle": "did you mean 'spread'?",
         "material": "a tree has two: 'bark' and 'leaf'",
         "color": "write 'bark: {color: ...}' and 'leaf: {color: ...}'",
@@ -108,8 +103,8 @@ class Tree(Plant):
     leaves: Few = Field(default=3, description=_LEAVES)
     leaf_size: Positive = Field(default=0.2, alias="leaf-size", description="Diameter of a leaf.")
     seed: Seed = Field(default=0, description=_SEED.format("tree"))
-    bark: MaterialValue = Field(default=_BARK, description="What branches are made of. Left out: brown.")
-    leaf: MaterialValue = Field(default=_LEAF, description="What leaves are made of. Left out: green.")
+    bark: MaterialValue = _material(_BARK, "branches", "brown")
+    leaf: MaterialValue = _material(_LEAF, "leaves", "green")
 
     def record(self) -> Mapping[str, Any]:
         return tree(**self._growth())
@@ -155,10 +150,7 @@ class Forest(Tree):
         default=True,
         description="Whether the ground is part of it. If not, all trees stand on z = 0, without `roll`.",
     )
-    soil: MaterialValue = Field(
-        default=Material(color=color("#6f7a45"), specular=0.0, diffuse=0.9),
-        description="What the ground is made of. Left out: the green of dry grass.",
-    )
+    soil: MaterialValue = _material(_SOIL, "the ground", "as green as dry grass")
 
     def record(self) -> Mapping[str, Any]:
         return forest(**self._growth())
@@ -166,14 +158,14 @@ class Forest(Tree):
 
 class Shrub(Plant):
     """A shrub: many thin stems out of the ground around the origin, on the ground z = 0, which is not part of
-    it; about 3 stems high and 6 wide."""
+    it; about 4 stems high and 7 wide."""
 
     what = "a shrub"
     example = "shrub: {seed: 3, stems: 3, leaf: {color: olivedrab}}"
     roles = ("bark", "leaf")
     counted = ("stems", "levels", "leaves")
     hints: ClassVar[Mapping[str, str]] = {
-        "height": "write 'stem', the length of a stem: a shrub is about 3 times as high",
+        "height": "write 'stem', the length of a stem: a shrub is about 4 times as high",
         "trunk": "did you mean 'stem'?",
         "angle": "did you mean 'spread'?",
         "material": "a shrub has two: 'bark' and 'leaf'",
@@ -186,9 +178,9 @@ class Shrub(Plant):
         default=9, description="How many branches follow each other from a stem to a twig, both included."
     )
     spread: Spread = Field(
-        default=math.radians(22),
+        default=math.radians(26),
         description=_SPREAD.format("wider, by up to 20 deg"),
-        json_schema_extra={"default": "22 deg"},
+        json_schema_extra={"default": "26 deg"},
     )
     outwards: Outwards = Field(
         default=math.radians(28),
@@ -201,27 +193,27 @@ class Shrub(Plant):
     stem: Positive = Field(default=0.5, description="Length of a stem up to its first fork.")
     ratio: Ratio = Field(default=0.82, description=_RATIO)
     thickness: Positive = Field(default=0.05, description="Diameter of a stem.")
-    upright: Weight = Field(default=0.6, description=_UPRIGHT.format("balls"))
+    upright: Weight = Field(default=0.45, description=_UPRIGHT.format("balls"))
     leaves: Few = Field(default=3, description=_LEAVES)
     leaf_size: Positive = Field(default=0.12, alias="leaf-size", description="Diameter of a leaf.")
     seed: Seed = Field(default=0, description=_SEED.format("shrub"))
-    bark: MaterialValue = Field(default=_BARK, description="What branches are made of. Left out: brown.")
-    leaf: MaterialValue = Field(default=_LEAF, description="What leaves are made of. Left out: green.")
+    bark: MaterialValue = _material(_BARK, "branches", "brown")
+    leaf: MaterialValue = _material(_LEAF, "leaves", "green")
 
     def record(self) -> Mapping[str, Any]:
         return shrub(**{key: getattr(self, key) for key in type(self).model_fields if key not in self.roles})
 
 
 class Coral(Plant):
-    """A coral (KRS paper, 9.1 and 9.2), at the origin, on the ground z = 0, which is not part of it; about 4
-    limbs high and 5 wide."""
+    """A coral (KRS paper, 9.1 and 9.2), at the origin, on the ground z = 0, which is not part of it; about 5
+    limbs high and 7 wide."""
 
     what = "a coral"
     example = "coral: {seed: 3, body: {color: coral}, tip: {color: seashell}}"
     roles = ("body", "tip")
     counted = ("levels", "buds")
     hints: ClassVar[Mapping[str, str]] = {
-        "height": "write 'limb', the length of the second branch: a coral is about 4 times as high",
+        "height": "write 'limb', the length of the second branch: a coral is about 5 times as high",
         "angle": "did you mean 'spread'?",
         "polyps": "did you mean 'buds'?",
         "material": "a coral has two: 'body' and 'tip'",
@@ -252,13 +244,8 @@ class Coral(Plant):
         default=2, description="How often the buds around a tip are doubled: 2^(buds + 1) − 2 of them."
     )
     seed: Seed = Field(default=0, description=_SEED.format("coral"))
-    body: MaterialValue = Field(
-        default=Material(color=color("#c4573f")),
-        description="What branches and buds are made of. Left out: red.",
-    )
-    tip: MaterialValue = Field(
-        default=Material(color=color("#f2dcc6")), description="What tips are made of. Left out: pale."
-    )
+    body: MaterialValue = _material(_BODY, "branches and buds", "red")
+    tip: MaterialValue = _material(_TIP, "tips", "pale")
 
     def record(self) -> Mapping[str, Any]:
         return coral(**{key: getattr(self, key) for key in type(self).model_fields if key not in self.roles})

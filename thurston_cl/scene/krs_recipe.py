@@ -2,10 +2,13 @@
 give.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from .base import Node
+from pydantic import AfterValidator
+
+from .base import Node, problem
 from .surfaces import Material
 
 
@@ -25,3 +28,16 @@ class Recipe(Node):
     def materials(self) -> tuple[Material, ...]:
         """The materials, in the order of `roles`."""
         return tuple(getattr(self, role) for role in self.roles)
+
+
+def within(low: float, high: float) -> AfterValidator:
+    """A validator of angles in radians, of bounds in degrees."""
+
+    def check(angle: float) -> float:
+        degrees = math.degrees(angle)
+        # An angle in degrees is rounded.
+        if not low - 1e-9 <= degrees <= high + 1e-9:
+            raise problem(f"expected an angle from {low:g} to {high:g} deg; this is {degrees:.10g} deg")
+        return angle
+
+    return AfterValidator(check)

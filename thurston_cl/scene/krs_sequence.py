@@ -13,7 +13,7 @@ from thurston_cl.krs.kernels import EMPTY, kernel_of
 from thurston_cl.krs.kernels import Kernel as SequenceKernel
 from thurston_cl.krs.sequence import Mirror as SequenceMirror
 from thurston_cl.krs.sequence import MoebiusSequence, Sequence
-from thurston_cl.models import PRODUCTS
+from thurston_cl.models import ORIGIN, PRODUCTS
 from thurston_cl.scene import schema
 from thurston_cl.scene.krs import Kernel, Krs, MapStep, Mirror, Record
 from thurston_cl.scene.surfaces import Material
@@ -29,11 +29,27 @@ class Painted:
 
     sequence: Sequence | MoebiusSequence
     materials: tuple[Material, ...]
+    twisted: bool = False
+
+    @property
+    def ball(self) -> tuple[Array, float] | None:
+        """Center (4,) and radius of a ball that holds it, None where none is known. A twist keeps balls
+        about the axis.
+        """
+        sequence = self.sequence
+        if not np.isfinite(sequence.radius):
+            return None
+        if sequence.geometry != "e3":
+            return np.array(ORIGIN[sequence.geometry]), sequence.radius
+        balls = sequence.balls
+        center, radius = balls.enclosing_on_axis() if self.twisted else balls.enclosing()
+        return np.append(center, 1.0), radius
 
 
 def painted_sequence(krs: Krs, geometry: Geometry) -> Painted:
     """The sequence that a scene describes; ValueError where it makes no sense."""
-    return _painted(krs, geometry.name, _Points(geometry))
+    painted = _painted(krs, geometry.name, _Points(geometry))
+    return painted if krs.twist is None else dataclasses.replace(painted, twisted=True)
 
 
 class _Points:

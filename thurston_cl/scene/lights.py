@@ -193,12 +193,12 @@ class Sun(Node):
         elif context.geometry not in ("e3", None) and (x != 0 or y != 0):
             message = f"in {context.geometry} only vertical light is parallel: from [0, 0, 1] or [0, 0, -1]"
             yield Problem(("from",), message, f"write [0, 0, {math.copysign(1, z):g}]")
-        elif context.lattice is not None and not _is_kept(context.lattice, self.towards):
+        elif context.lattice is not None and not is_kept(context.lattice, self.towards):
             message = "this manifold turns the direction of the sun, so that it has none there"
             yield Problem(("from",), message, "use a point light, or leave the manifold out")
 
 
-def _is_kept(lattice: "Lattice", direction: tuple[float, float, float]) -> bool:
+def is_kept(lattice: "Lattice", direction: tuple[float, float, float]) -> bool:
     """Whether the group of a lattice keeps a direction of the frame, but for e3 the vertical one."""
     from thurston_cl.lattice.isometry import vector_map
 

@@ -232,10 +232,8 @@ def bounds_of(solid: schema.Solid, outer: Array, place: Placement) -> list[_Boun
         case "cylinder" if geometry in FIBRED and solid.shape.along[2] != 0:
             return [_Bound(act(geometry, frame, origin(geometry)), solid.shape.radius, True)]
         case "krs":
-            radius = painted_sequence(solid.shape, place.geometry).sequence.radius
-            if not np.isfinite(radius):
-                return None
-            return [_Bound(act(geometry, frame, origin(geometry)), radius, False)]
+            ball = painted_sequence(solid.shape, place.geometry).ball
+            return None if ball is None else [_Bound(act(geometry, frame, ball[0]), ball[1], False)]
         case "union":
             members = [bounds_of(member, frame, place) for member in solid.shape]
             if None in members:

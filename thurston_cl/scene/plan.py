@@ -275,9 +275,7 @@ def _cells(scene: schema.Scene, wanted: Collection[str]) -> tuple[NDArray[np.flo
 
 
 def _defines(writer: Writer, detail: int | None) -> dict[str, str | int]:
-    """The defines that effects, a round picture, a lattice and tracers take; `detail`: the place of its
-    number.
-    """
+    """The defines that effects, a round picture, a lattice and tracers take; `detail` is its place."""
     defines: dict[str, str | int] = {}
     if detail is not None:
         defines["DETAIL"] = detail
@@ -287,6 +285,8 @@ def _defines(writer: Writer, detail: int | None) -> dict[str, str | int]:
         defines["BLOCK_START"] = 1
     if "light/reflection.h" in writer.parts:
         defines["REFLECTIONS"] = 1
+    if "light/sky.h" in writer.parts:
+        defines["SKY"] = 1
     if needs_clearance(writer):
         defines["CLEARANCE"] = 1
     if writer.sequences:
@@ -314,10 +314,12 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         "scene_types.h",
         *under("shape"),
         *_krs_order(parts),
+        *under("lane_integers.h"),
         # What several patterns call comes first.
-        *sorted(under("pattern"), key=lambda part: part != "pattern/color_in_turn.h"),
+        *sorted(under("pattern"), key=lambda part: part not in effect_files.PATTERN_SUPPORT),
         "march.h",
-        *under("march"),
+        # What a tracer calls comes first.
+        *sorted(under("march"), key=lambda part: part != "march/stretch.h"),
         "march/loop.h",
         *under("cells.h"),
         # What each projection starts from, and then in the order of the alphabet.

@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr
 from thurston_cl.errors import SceneError
 from thurston_cl.models import GEOMETRIES
 
+from .background import Background, BackgroundValue, Sky
 from .base import Node, Problem, problem, shown
 from .camera import Camera, Dome, Equirectangular, Fisheye, Look, Perspective, Projection, Step, Stereo
 from .context import Context
@@ -54,9 +55,20 @@ from .shapes import (
 )
 from .source import Problems, SceneSource
 from .suggest import nearest
-from .surfaces import Bands, Checker, Grid, ImageTexture, Material, Pattern, Strips
+from .surfaces import (
+    Bands,
+    Checker,
+    Grid,
+    ImageTexture,
+    Material,
+    Noise,
+    Pattern,
+    Slope,
+    Strips,
+    Triplanar,
+)
 from .tracer import tracer_problems
-from .values import AtLeast, Color, ColorValue, Name, ParamName, ParamValue, Says, color
+from .values import AtLeast, Color, Name, ParamName, ParamValue, Says, color
 
 if TYPE_CHECKING:
     from thurston_cl.lattice import Lattice
@@ -108,7 +120,8 @@ class Scene(Node):
     hints: ClassVar[Mapping[str, str]] = {
         "include": "a scene is one file; 'thurston scenes' lists scenes to start from",
         "animation": "animations are not rendered yet",
-        **dict.fromkeys(("environment", "sky"), "did you mean 'background'?"),
+        "environment": "did you mean 'background'?",
+        "sky": "write 'background: {sky: {...}}'",
         "krs": "a sequence is the shape of an object: write 'objects: [{krs: ...}]'",
         "object": "did you mean 'objects'?",
     }
@@ -142,7 +155,9 @@ class Scene(Node):
         default=(), description="Left out: a warm light beside the camera and a cool one ahead of it."
     )
     effects: Effects = Field(default=Effects(), description="What is simulated besides direct light.")
-    background: ColorValue = Field(default=color("black"), description="What a ray shows that hits nothing.")
+    background: BackgroundValue = Field(
+        default=color("black"), description="What a ray shows that hits nothing."
+    )
     render: RenderSettings = Field(default=RenderSettings(), description="How the picture is worked out.")
     outputs: Annotated[tuple[Output, ...], AfterValidator(different_files)] = Field(
         default=(), description="The files to write. Left out: named on the command line."
@@ -167,6 +182,19 @@ class Scene(Node):
             else:
                 self._lattice = self.manifold.lattice(self.geometry)
         return self._lattice
+
+    @property
+    def sky(self) -> Sky | None:
+        """The sky of the background, if that is one."""
+        return self.background.sky if isinstance(self.background, Background) else None
+
+    @property
+    def plain_background(self) -> Color:
+        """The background where no direction counts: of a sky, the horizon."""
+        if isinstance(self.background, Color):
+            return self.background
+        assert self.background.sky is not None
+        return self.background.sky.horizon
 
     @property
     def solids(self) -> tuple[Object, ...]:
@@ -244,6 +272,7 @@ __all__ = [
     "FORMAT_VERSION",
     "GEOMETRIES",
     "AmbientOcclusion",
+    "Background",
     "Ball",
     "Bands",
     "Camera",
@@ -280,6 +309,7 @@ __all__ = [
     "Mirror",
     "ModelPoint",
     "MoebiusLevel",
+    "Noise",
     "Object",
     "Output",
     "Pattern",
@@ -295,7 +325,9 @@ __all__ = [
     "Scene",
     "Shadows",
     "Shape",
+    "Sky",
     "Slab",
+    "Slope",
     "SoftShadows",
     "Solid",
     "Step",
@@ -304,6 +336,7 @@ __all__ = [
     "Sun",
     "Tile",
     "TorusBundle",
+    "Triplanar",
     "Twist",
     "Within",
     "Zone",

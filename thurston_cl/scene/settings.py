@@ -50,20 +50,20 @@ class RenderSettings(Node):
     )
     detail: Positive | None = Field(
         default=None,
-        description="Level of detail: so many pixels count as a hit too, as wide as a pixel is after the way from "
-        "the eye in Euclidean space, where that is more than `threshold`. Left out: none.",
+        description="Level of detail: nearer than so many pixels counts as a hit too, a pixel being as wide "
+        "as Euclidean space makes it after the way from the eye. Left out: none.",
     )
     tracer: Literal["auto", "direct", "relaxed", "compound", "binary"] = Field(
         default="auto",
-        description="How far rays go at once: `direct` by the distance to the scene; `relaxed` by 1.4 times that, "
-        "and back where it was too far; `compound` marches each object by itself, the nearest first; `binary` "
-        "(e3) tries out which balls are free. All but `direct` in the whole space only. `auto` is `compound` "
-        "where that saves work, else `direct`.",
+        description="How far rays go at once: `direct` by the distance to the scene; `relaxed` by 1.4 times "
+        "that, and back where it was too far; `compound` marches each object by itself, the nearest first; "
+        "`binary` (e3) tries out which balls are free. All but `direct` in the whole space only. `auto` is "
+        "`compound` where that saves work, else `direct`.",
     )
     start: Literal["pixel", "block"] = Field(
         default="pixel",
-        description="Where the marching starts: `pixel` for each at the eye; `block` for 4x4 pixels where the ray "
-        "through their middle leaves the room that is free about all of them (e3, perspective, no manifold).",
+        description="Where marching starts: `pixel` for each at the eye; `block` for 4x4 pixels together as "
+        "far as the room about their middle is free for all of them (e3, perspective, no manifold).",
     )
     far: Positive | None = Field(
         default=None,

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import PurePath
 from typing import Annotated, Any, ClassVar, Literal
 
+from annotated_types import Ge, Le
 from pydantic import BeforeValidator, Field, ValidationInfo
 from pydantic_core import PydanticCustomError
 
@@ -18,7 +19,9 @@ from .values import (
     Also,
     AtLeast,
     ColorValue,
+    Cosine,
     Count,
+    Direction,
     Fraction,
     Positive,
     Says,
@@ -26,8 +29,13 @@ from .values import (
     TwoLengths,
     Weight,
     color,
+    list_of,
     to_color,
+    whole_number,
 )
+
+# Octave 12 is 2000 times as fine as the first.
+MOST_OCTAVES = 12
 
 SQUARES = (
     "How many squares, in the two directions: once around a ball or cylinder, and from pole to pole of a "
@@ -143,12 +151,95 @@ def _two_colors(value: Any) -> Any:
     return value
 
 
+ImageValue = Annotated[
+    ImageTexture | None,
+    BeforeValidator(_image),
+    Also(({"type": "string", "pattern": r"\S"},)),
+    Says("[image texture](#image-texture), or the name of its file alone"),
+]
+
+
+class Noise(Node):
+    """Clouds of color through the whole of the object, which never repeat: gradient noise of several sizes,
+    each half as large and half as strong as the one before. In e3, s3 and h3, in the coordinates x, y and z
+    of the model about the center of the object, as `rotate` turns them."""
+
+    what = "noise"
+    example = 'noise: {size: 0.3, octaves: 4, colors: ["#2f5d22", "#7f9a45"]}'
+    hints: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("scale", "frequency", "count"), "write 'size', the length of the largest clouds"),
+        **dict.fromkeys(("detail", "levels"), "did you mean 'octaves'?"),
+    }
+
+    size: Positive = Field(default=0.3, description="How large the largest clouds are.")
+    octaves: Annotated[
+        int,
+        Ge(1),
+        Le(MOST_OCTAVES),
+        BeforeValidator(whole_number),
+        Says(f"whole number from 1 to {MOST_OCTAVES}"),
+    ] = Field(
+        default=4, description="How many sizes there are. What is finer than a pixel is left out by itself."
+    )
+    colors: Annotated[tuple[ColorValue, ...], AtLeast(2)] = Field(
+        default=(color("#335577"), color("white")),
+        description="The colors, from the least value to the greatest; the middle ones are seen most.",
+    )
+    stretch: Annotated[
+        tuple[Positive, Positive, Positive], BeforeValidator(list_of(3, "[x, y, z]")), Says("3 numbers > 0")
+    ] = Field(
+        default=(1.0, 1.0, 1.0),
+        description="How many times as large the clouds are along x, y and z; [1, 1, 0.1] makes layers.",
+    )
+
+
+class Triplanar(Node):
+    """A flat pattern that is projected along the three axes of the object and blended by how much the surface
+    faces each: for shapes without coordinates of their own. In e3."""
+
+    what = "a triplanar pattern"
+    example = "triplanar: {image: earth, size: 0.5}"
+    one_of = ("checker", "grid", "bands", "strips", "image")
+
+    checker: Checker | None = Field(default=None, description="A checkerboard of two colors.")
+    grid: Grid | None = Field(default=None, description="Lines in one color on ground of another.")
+    bands: Bands | None = Field(default=None, description="Lines in colors that take turns.")
+    strips: Strips | None = Field(default=None, description="Strips side by side, in colors that take turns.")
+    image: ImageValue = Field(default=None, description="A picture from a file, repeated.")
+    size: Positive = Field(
+        default=1.0,
+        description="The length that is one unit of the pattern: of an image of size 1, its width.",
+    )
+
+
+class Slope(Node):
+    """Two paints by how steep the surface is, such as grass on what is flat and rock on what is steep. In
+    e3."""
+
+    what = "a slope"
+    example = 'slope: {flat: "#4c7a34", steep: "#6b6560"}'
+    hints: ClassVar[Mapping[str, str]] = {
+        "angle": "write 'at', the cosine of that angle: 0.88 is 28 deg",
+        **dict.fromkeys(("grass", "top"), "did you mean 'flat'?"),
+        **dict.fromkeys(("rock", "side"), "did you mean 'steep'?"),
+    }
+
+    flat: "Paint" = Field(description="The color or pattern where the surface faces up.")
+    steep: "Paint" = Field(description="The color or pattern where it is steep, and where it faces down.")
+    at: Cosine = Field(
+        default=0.88,
+        description="Where both are alike: the cosine of the angle between the normal and up.",
+    )
+    width: Positive = Field(default=0.05, description="Over how much of the cosine they blend.")
+    up: Direction = Field(default=(0, 0, 1), description="Where up is, in the frame of the object.")
+
+
 class Pattern(Node):
     """A color that changes over the surface."""
 
     what = "a pattern"
     example = "checker: {count: 8, colors: [white, black]}"
-    one_of = ("checker", "grid", "bands", "strips", "image")
+    one_of = ("checker", "grid", "bands", "strips", "image", "noise", "triplanar", "slope")
 
     checker: Checker | None = Field(default=None, description="A checkerboard of two colors.")
     grid: Grid | None = Field(default=None, description="Lines in one color on ground of another.")
@@ -156,12 +247,21 @@ class Pattern(Node):
         default=None, description="Lines in one direction, in colors that take turns."
     )
     strips: Strips | None = Field(default=None, description="Strips side by side, in colors that take turns.")
-    image: Annotated[
-        ImageTexture | None,
-        BeforeValidator(_image),
-        Also(({"type": "string", "pattern": r"\S"},)),
-        Says("[image texture](#image-texture), or the name of its file alone"),
-    ] = Field(default=None, description="A picture from a file.")
+    image: ImageValue = Field(default=None, description="A picture from a file.")
+    noise: Noise | None = Field(
+        default=None, description="Clouds of color that never repeat. In e3, s3 and h3."
+    )
+    triplanar: Triplanar | None = Field(
+        default=None, description="One of the flat patterns, projected along three axes. In e3."
+    )
+    slope: Slope | None = Field(default=None, description="Two paints by how steep the surface is. In e3.")
+
+    def check(self, context: Context) -> Iterator[Problem]:
+        where = {"noise": ("e3", "s3", "h3"), "triplanar": ("e3",), "slope": ("e3",)}
+        for key, geometries in where.items():
+            if getattr(self, key) is not None and context.geometry not in (*geometries, None):
+                message = f"{key} is made in {listing(geometries)}, not in {context.geometry}"
+                yield Problem((key,), message, "use another pattern, such as 'grid: {}'", True)
 
     @classmethod
     def spelled_out(cls, word: str) -> str | None:
@@ -180,7 +280,10 @@ def _paint(value: Any, info: ValidationInfo) -> Any:
         context, name = context_of(info), value.removeprefix("$textures.")
         if name not in context.names("textures"):
             raise problem(f"there is no texture '{name}'", _known_names(name, context, "textures"))
-        return context.entry("textures", name, Pattern) or color("black")
+        texture = context.entry("textures", name, Pattern)
+        if context.contains_itself("textures", name):
+            raise problem(f"the texture '{name}' contains itself", "write a color or another texture here")
+        return texture or color("black")
     if isinstance(value, Pattern):
         return value
     try:
@@ -215,6 +318,9 @@ Paint = Annotated[
 ]
 
 
+Slope.model_rebuild()
+
+
 class Material(Node):
     """How a surface answers light: Phong's model (paper, eq. 5.2)."""
 
@@ -226,6 +332,9 @@ class Material(Node):
         "bands": "a pattern is a color: write 'color: {bands: ...}'",
         "strips": "a pattern is a color: write 'color: {strips: ...}'",
         "image": "a pattern is a color: write 'color: {image: ...}'",
+        "noise": "a pattern is a color: write 'color: {noise: ...}'",
+        "triplanar": "a pattern is a color: write 'color: {triplanar: ...}'",
+        "slope": "a pattern is a color: write 'color: {slope: ...}'",
         "reflection": "did you mean 'reflectivity'?",
         **dict.fromkeys(
             ("texture", "map", "picture"), "a picture is a color: write 'color: {image: earth.png}'"

@@ -95,5 +95,17 @@ def images_of(scene: schema.Scene) -> Iterator[tuple[Location, schema.ImageTextu
         ),
     ]
     for location, paint in paints:
-        if isinstance(paint, schema.Pattern) and paint.image is not None:
-            yield (*location, "image", "file"), paint.image
+        yield from _images_in(location, paint)
+
+
+def _images_in(location: Location, paint: object) -> Iterator[tuple[Location, schema.ImageTexture]]:
+    """The images of a paint, and of the paints inside it."""
+    if not isinstance(paint, schema.Pattern):
+        return
+    if paint.image is not None:
+        yield (*location, "image", "file"), paint.image
+    if paint.triplanar is not None and paint.triplanar.image is not None:
+        yield (*location, "triplanar", "image", "file"), paint.triplanar.image
+    if paint.slope is not None:
+        yield from _images_in((*location, "slope", "flat"), paint.slope.flat)
+        yield from _images_in((*location, "slope", "steep"), paint.slope.steep)

@@ -87,6 +87,7 @@ Positive = Annotated[float, Gt(0), BeforeValidator(_number), Says("number > 0")]
 Fraction = Annotated[float, Gt(0), Lt(1), BeforeValidator(_number), Says("number between 0 and 1")]
 Weight = Annotated[float, Ge(0), Le(1), BeforeValidator(_number), Says("number from 0 to 1")]
 Ratio = Annotated[float, Ge(0.4), Le(1), BeforeValidator(_number), Says("number from 0.4 to 1")]
+Cosine = Annotated[float, Ge(-1), Le(1), BeforeValidator(_number), Says("number from -1 to 1")]
 Count = Annotated[int, Ge(1), BeforeValidator(whole_number), Says("whole number ≥ 1")]
 Pixels = Annotated[int, Ge(1), Le(16384), BeforeValidator(whole_number)]
 Samples = Annotated[int, Ge(1), Le(4096), BeforeValidator(whole_number), Says("whole number from 1 to 4096")]
@@ -217,7 +218,7 @@ class AtLeast:
         return {**handler(schema), "minItems": self.count}
 
 
-def _list_of(length: int, names: str) -> Callable[[object], object]:
+def list_of(length: int, names: str) -> Callable[[object], object]:
     def check(value: object) -> object:
         if not isinstance(value, (list, tuple)):
             written = {"x": "[1, 0, 0]", "y": "[0, 1, 0]", "z": "[0, 0, 1]"}.get(str(value))
@@ -241,24 +242,24 @@ def _not_zero(vector: tuple[float, ...]) -> tuple[float, ...]:
 
 
 Vec3 = Annotated[
-    tuple[Number, Number, Number], BeforeValidator(_list_of(3, "[x, y, z]")), Says("3 numbers `[x, y, z]`")
+    tuple[Number, Number, Number], BeforeValidator(list_of(3, "[x, y, z]")), Says("3 numbers `[x, y, z]`")
 ]
 Vec4 = Annotated[
     tuple[Number, Number, Number, Number],
-    BeforeValidator(_list_of(4, "[x, y, z, w]")),
+    BeforeValidator(list_of(4, "[x, y, z, w]")),
     Says("4 numbers `[x, y, z, w]`"),
 ]
 Direction = Annotated[Vec3, AfterValidator(_not_zero), Says("direction `[x, y, z]`, not zero, of any length")]
 PixelSize = Annotated[
     tuple[Pixels, Pixels],
-    BeforeValidator(_list_of(2, "[width, height]")),
+    BeforeValidator(list_of(2, "[width, height]")),
     Says("2 whole numbers from 1 to 16384"),
 ]
 
 
 def _pair(value: object) -> object:
     if isinstance(value, (list, tuple)):
-        return _list_of(2, "[n, m]")(value)
+        return list_of(2, "[n, m]")(value)
     number = whole_number(value)
     return number, number
 
@@ -273,7 +274,7 @@ SquareCount = Annotated[
 
 def _lengths(value: object) -> object:
     if isinstance(value, (list, tuple)):
-        return _list_of(2, "[w, h]")(value)
+        return list_of(2, "[w, h]")(value)
     number = _number(value)
     return number, number
 
@@ -353,7 +354,7 @@ def _without_function(value: str) -> str:
 
 
 def _linear_color(value: list[object]) -> tuple[float, float, float]:
-    _list_of(3, "[red, green, blue]")(value)
+    list_of(3, "[red, green, blue]")(value)
     numbers = [_number(component) for component in value]
     if min(numbers) < 0:
         raise problem("the components of a color are at least 0")

@@ -250,11 +250,23 @@ def _default_lights(camera: CameraFrame, writer: Writer) -> list[_Image]:
 
 
 def write_air(writer: Writer) -> None:
-    """Add scene_background, scene_clear and scene_air: what is seen where nothing is hit, and fog."""
-    background = writer.numbers.add(writer.scene.background.linear)
+    """Add scene_background, scene_clear and scene_air: what is seen where nothing is hit, and fog; and where
+    there is a sky, scene_under_sky. The plain color of that, for what comes to nothing, is its horizon's.
+    """
+    sky = writer.scene.sky
+    background = writer.numbers.add(writer.scene.plain_background.linear)
     writer.function(
         "real3_lanes scene_background(scene_data scene)", [f"return three_numbers(scene, {background});"]
     )
+    if sky is not None:
+        writer.parts.add("light/sky.h")
+        up = np.array(sky.up) / np.linalg.norm(sky.up)
+        ground = sky.horizon if sky.ground is None else sky.ground
+        place = writer.numbers.add([*sky.zenith.linear, *sky.horizon.linear, *ground.linear, *up])
+        writer.function(
+            "real3_lanes scene_under_sky(ray r, real3_lanes seen, scene_data scene)",
+            [f"return select_3(r.hit, seen, sky(r.p, r.v, scene, {place}));"],
+        )
     fog = writer.scene.effects.fog
     clear, air = ["return REAL(1);"], ["return seen;"]
     if fog is not None:
@@ -275,6 +287,13 @@ def write_seen(writer: Writer) -> None:
         "*first = look_at(r, r.t, max_steps, scene, done);",
         "return scene_air(first->color, scene_clear(SELECT(r.hit, r.t, REAL(INFINITY)), scene), scene);",
     ]
+    if writer.scene.sky is not None:
+        body = [
+            "*first = look_at(r, r.t, max_steps, scene, done);",
+            "first->color = scene_under_sky(r, first->color, scene);",
+            # Behind everything is no fog.
+            "return scene_air(first->color, scene_clear(SELECT(r.hit, r.t, REAL(0)), scene), scene);",
+        ]
     if writer.reflections:
         writer.parts |= {"light/lifted_ray.h", "light/reflection.h"}
         # Of what is seen in a mirror, half may be a mirror again.

@@ -20,7 +20,7 @@ from thurston_cl.lattice.isometry import (
 from thurston_cl.models import FIBRED, ISOTROPIC, LEFT_INVARIANT
 from thurston_cl.scene import schema
 from thurston_cl.scene.near_walls import balls_over_walls, bounds_of, images, is_hollow
-from thurston_cl.scene.numbers import Numbers, components, homogeneous
+from thurston_cl.scene.numbers import components, homogeneous
 from thurston_cl.scene.placement import X_AXIS, Z_AXIS
 from thurston_cl.scene.texels import MOST_LEVELS
 from thurston_cl.scene.write_krs import tells_free_balls, write_krs
@@ -39,7 +39,7 @@ def write_objects(writer: Writer) -> int:
         "*m = none;",
         "mask nearer;",
     ]
-    if any(_image_of(solid) is not None for solid in writer.scene.objects):
+    if any(_late(solid) for solid in writer.scene.objects):
         surface += ["point q = p;", "surface on_image = best;"]
     if writer.cell_ids:
         surface.append("real seen_from = *cell;")
@@ -67,7 +67,7 @@ def write_objects(writer: Writer) -> int:
             f"surface object_{k}_surface(point p, scene_data scene)",
             [*text.lines, f"return {text.name};"],
             # Of an image it is asked for at three points.
-            called=_image_of(solid) is not None,
+            called=any(map(_wears_image, _late(solid).values())),
         )
         writer.function(
             f"material object_{k}_material(surface s, scene_data scene)",
@@ -100,7 +100,7 @@ def write_objects(writer: Writer) -> int:
     writer.function(
         "void scene_surface(point p, vector v, real t, real *object, real *cell, covector *gradient,"
         " material *m, scene_data scene)",
-        [*surface, "*gradient = best.gradient;", *_write_images(writer)],
+        [*surface, "*gradient = best.gradient;", *_late_paints(writer, written_as)],
         called=writer.large,
     )
     writer.distances = len(writer.scene.solids) + count
@@ -161,11 +161,11 @@ def _back(lattice: Lattice, seen: Array) -> Array:
 
 
 def _take_nearer(k: int, solid: schema.Solid, seen_at: str = "p", own: str = "s") -> list[str]:
-    """Keep the surface s of object k where it is the nearest so far; of an image also the point at which, and
-    the surface as which, the object sees it itself.
+    """Keep the surface s of object k where it is the nearest so far; of what is painted late also the point
+    at which, and the surface as which, the object sees it itself.
     """
     kept = []
-    if _image_of(solid) is not None:
+    if _late(solid):
         kept = [f"q = select_4(nearer, {seen_at}, q);", f"on_image = nearer_of({own}, on_image, nearer);"]
     return [
         "nearer = s.distance < best.distance;",
@@ -497,46 +497,104 @@ class _SolidText:
         return self._complement(self._union(members))
 
 
-def _image_of(solid: schema.Solid) -> "schema.ImageTexture | None":
-    """The image that an object wears, if any."""
-    paint = solid.material.color if isinstance(solid, schema.Object) else None
-    return paint.image if isinstance(paint, schema.Pattern) else None
+def _late(solid: schema.Solid) -> dict[int, schema.Pattern]:
+    """The paints of an object's parts, its own material being part 0, that are painted once it is known
+    that it is the nearest: what needs the footprint of the pixel, the point or the normal, and what
+    takes long.
+    """
+    if not isinstance(solid, schema.Object):
+        return {}
+    paints = {part: material.color for part, material in enumerate(solid.materials)}
+    return {
+        part: paint
+        for part, paint in paints.items()
+        if isinstance(paint, schema.Pattern)
+        and any(kind is not None for kind in (paint.image, paint.noise, paint.triplanar, paint.slope))
+    }
 
 
-def _write_images(writer: Writer) -> list[str]:
-    """Color the objects that wear images, once it is known which of them is seen, at q as on_image."""
+def _wears_image(paint: "schema.Color | schema.Pattern") -> bool:
+    """Whether a paint lays an image on the coordinates of the surface."""
+    if isinstance(paint, schema.Color):
+        return False
+    inside = [] if paint.slope is None else [paint.slope.flat, paint.slope.steep]
+    return paint.image is not None or any(_wears_image(part) for part in inside)
+
+
+def _late_paints(
+    writer: Writer, written: "list[tuple[int, schema.Solid, Array, _SolidText, Array]]"
+) -> list[str]:
+    """Color the objects that are painted late, once it is known which of them is seen, at q as on_image."""
     lines: list[str] = []
-    for k, solid in enumerate(writer.scene.objects, start=1):
-        texture = _image_of(solid)
-        if texture is None:
-            continue
-        if not lines:
-            writer.parts.add("pattern/image.h")
+    for k, solid, outer, text, _ in written:
+        late = _late(solid)
+        if late and not lines:
+            writer.parts.add("pattern/footprint.h")
             lines.append("footprint f = footprint_of(p, v, t, best.gradient, scene);")
-        levels = writer.texels.add(texture.file)
-        room = [0.0] * (4 * MOST_LEVELS - len(levels))
-        ends = _is_globe(solid) and texture.size[1] == 1
-        place = writer.numbers.add([len(levels) // 4, ends, *texture.size, *levels, *room])
-        writer.function(
-            f"real object_{k}_spread(point q, surface s, footprint f, scene_data scene)",
-            [
-                "direction in_surface[2];",
-                "directions_in_surface(q, s.gradient, in_surface);",
-                "surface beside[2];",
-                "for (int i = 0; i < 2; i++)",
-                f"  beside[i] = object_{k}_surface(moved_along(q, in_surface[i], footprint_step(f)), scene);",
-                "return spread_of(s, beside, f);",
-            ],
-        )
-        lines += [
-            f"nearer = *object == REAL({k});",
-            "if (ANY(nearer)) {",
-            f"  real spread = object_{k}_spread(q, on_image, f, scene);",
-            "  m->color = select_3(nearer, image(on_image.u, on_image.v, spread, scene,"
-            f" {place}), m->color);",
-            "}",
-        ]
+        if any(map(_wears_image, late.values())):
+            writer.parts.add("pattern/image.h")
+            _write_spread(writer, k)
+        for part, paint in late.items():
+            name = f"object_{k}_paint" if part == 0 else f"object_{k}_paint_{part}"
+            frame = compose(writer.geometry.name, outer, writer.place.isometry(solid.at, solid.rotate))
+            _write_paint(writer, name, k, paint, frame, ends=_is_globe(solid))
+            own = f" & (on_image.part == REAL({part}))" if text.materials else ""
+            lines += [
+                f"nearer = (*object == REAL({k})){own};" if own else f"nearer = *object == REAL({k});",
+                "if (ANY(nearer)) {",
+                f"  real3_lanes color = {name}(q, on_image, f, scene);",
+                "  m->color = select_3(nearer, color, m->color);",
+                "}",
+            ]
     return lines
+
+
+def _write_paint(
+    writer: Writer, name: str, k: int, paint: schema.Pattern, frame: Array, *, ends: bool
+) -> None:
+    """Add the function `name`: the color of what object k wears, placed by `frame`, at a point of its
+    surface.
+    """
+    body = [f"f.spread = object_{k}_spread(q, s, f, scene);"] if _wears_image(paint) else []
+    point = "q"
+    if paint.image is None:
+        point = "own"
+        body += _in_own_frame(writer, frame)
+    color = _paint(paint, writer, "s", point, "f", ends=ends)
+    writer.function(
+        f"real3_lanes {name}(point q, surface s, footprint f, scene_data scene)",
+        [*body, f"return {color};"],
+    )
+
+
+def _write_spread(writer: Writer, k: int) -> None:
+    """Add the function that says which area of its coordinates a pixel sees of object k."""
+    writer.function(
+        f"real object_{k}_spread(point q, surface s, footprint f, scene_data scene)",
+        [
+            "direction in_surface[2];",
+            "directions_in_surface(q, s.gradient, in_surface);",
+            "surface beside[2];",
+            "for (int i = 0; i < 2; i++)",
+            f"  beside[i] = object_{k}_surface(moved_along(q, in_surface[i], footprint_step(f)), scene);",
+            "return spread_of(s, beside, f);",
+        ],
+    )
+
+
+def _in_own_frame(writer: Writer, frame: Array) -> list[str]:
+    """Lines that take the point q and the gradient of the surface s to the frame of an object, which `frame`
+    carries into the cell: the point becomes `own`.
+    """
+    geometry = writer.geometry.name
+    back = snap(inverse(geometry, frame))
+    if np.array_equal(back, identity(geometry)):
+        return ["point own = q;"]
+    gradient = writer.numbers.rows(snap(vector_map(geometry, frame)).T, components("s.gradient"))
+    return [
+        f"point own = {writer.numbers.rows(back[:4], homogeneous('q', len(back)))};",
+        f"s.gradient = (covector){gradient};",
+    ]
 
 
 def _is_globe(solid: schema.Solid) -> bool:
@@ -549,10 +607,50 @@ def _is_globe(solid: schema.Solid) -> bool:
     return solid.kind in ("ball", "pseudo-ball", "tile")
 
 
-def _paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[str], surface: str) -> str:
-    """The text of a colour or a pattern on a surface."""
+def _paint(
+    paint: "schema.Color | schema.Pattern",
+    writer: Writer,
+    surface: str,
+    point: str | None = None,
+    footprint: str | None = None,
+    *,
+    ends: bool = False,
+) -> str:
+    """The text of a color or a pattern, from the names of the surface and, both in the frame of the object as
+    the gradient of the surface is then, of the point and the footprint. Without these two what is painted
+    late is black. `ends`: whether the second surface coordinate ends at poles.
+    """
+    numbers, parts = writer.numbers, writer.parts
     if isinstance(paint, schema.Color):
         return f"three_numbers(scene, {numbers.add(paint.linear)})"
+    if paint.noise is not None or paint.slope is not None or paint.triplanar is not None:
+        if point is None or footprint is None:
+            return "{REAL(0), REAL(0), REAL(0)}"
+        if paint.noise is not None:
+            return _noise(paint.noise, writer, point, footprint)
+        if paint.triplanar is not None:
+            return _triplanar(paint.triplanar, writer, surface, point, footprint)
+        assert paint.slope is not None
+        flat, steep = (
+            _paint(part, writer, surface, point, footprint, ends=ends)
+            for part in (paint.slope.flat, paint.slope.steep)
+        )
+        parts.add("pattern/slope.h")
+        up = np.array(paint.slope.up) / np.linalg.norm(paint.slope.up)
+        place = numbers.add([paint.slope.at, paint.slope.width, *up])
+        return f"slope({surface}, {point}, {flat}, {steep}, scene, {place})"
+    return _flat_paint(paint, writer, surface, footprint, ends)
+
+
+def _flat_paint(
+    paint: "schema.Pattern | schema.Triplanar",
+    writer: Writer,
+    surface: str,
+    footprint: str | None,
+    ends: bool,
+) -> str:
+    """The text of a pattern that is laid out by two coordinates."""
+    numbers, parts = writer.numbers, writer.parts
     if paint.checker is not None:
         parts.add("pattern/checker.h")
         checker = paint.checker
@@ -577,13 +675,50 @@ def _paint(paint: "schema.Color | schema.Pattern", numbers: Numbers, parts: set[
         coordinate = {"first": "u", "second": "v"}[paint.strips.across]
         return f"strips({surface}.{coordinate}, scene, {place}, {len(paint.strips.colors)})"
     if paint.image is not None:
-        # Painted when it is known that this object is seen.
-        return "{REAL(0), REAL(0), REAL(0)}"
+        if footprint is None:
+            return "{REAL(0), REAL(0), REAL(0)}"
+        parts |= {"pattern/footprint.h", "pattern/image.h"}
+        levels = writer.texels.add(paint.image.file)
+        room = [0.0] * (4 * MOST_LEVELS - len(levels))
+        last = ends and paint.image.size[1] == 1
+        place = numbers.add([len(levels) // 4, last, *paint.image.size, *levels, *room])
+        return f"image({surface}.u, {surface}.v, {footprint}.spread, scene, {place})"
     assert paint.grid is not None
     parts.add("pattern/grid.h")
     grid = paint.grid
     place = numbers.add([*grid.count, grid.width, *grid.colors[0].linear, *grid.colors[1].linear])
     return f"grid({surface}, scene, {place})"
+
+
+def _noise(noise: schema.Noise, writer: Writer, point: str, footprint: str) -> str:
+    """The text of noise at a point."""
+    writer.parts |= {"lane_integers.h", "pattern/footprint.h", "pattern/noise.h"}
+    writer.asked["pattern/noise.h"] += noise.octaves
+    sizes = [noise.size * stretch for stretch in noise.stretch]
+    colors = [c for color in noise.colors for c in color.linear]
+    place = writer.numbers.add([*(1 / size for size in sizes), min(sizes), *colors])
+    return f"noise({point}, {footprint}, scene, {place}, {noise.octaves}, {len(noise.colors)})"
+
+
+def _triplanar(triplanar: schema.Triplanar, writer: Writer, surface: str, point: str, footprint: str) -> str:
+    """The text of a triplanar pattern: a call of a function that is added."""
+    writer.parts |= {"pattern/footprint.h", "pattern/triplanar.h"}
+    place = writer.numbers.add([triplanar.size])
+    color = _flat_paint(triplanar, writer, "seen", "covered", ends=False)
+    writer.function(
+        f"real3_lanes triplanar_{place}(surface s, point q, footprint f, scene_data scene)",
+        [
+            "direction weights = triplanar_weights(q, s.gradient);",
+            "real3_lanes sum = {REAL(0), REAL(0), REAL(0)};",
+            "for (int axis = 0; axis < 3; axis++) {",
+            f"  surface seen = along_axis(s, q, axis, scene, {place});",
+            f"  footprint covered = footprint_along_axis(f, s, q, axis, scene, {place});",
+            f"  sum = add_scaled_3(sum, {color}, on_axis(weights, axis));",
+            "}",
+            "return sum;",
+        ],
+    )
+    return f"triplanar_{place}({surface}, {point}, {footprint}, scene)"
 
 
 def _materials(writer: Writer, materials: Sequence[schema.Material]) -> list[str]:
@@ -599,11 +734,17 @@ def _materials(writer: Writer, materials: Sequence[schema.Material]) -> list[str
     return [*lines, "return m;"]
 
 
-def _material(material: schema.Material, writer: Writer, surface: str) -> str:
-    """The text of a material on a surface, as an initialiser."""
+def _material(
+    material: schema.Material,
+    writer: Writer,
+    surface: str,
+    point: str | None = None,
+    footprint: str | None = None,
+) -> str:
+    """The text of a material on a surface, as an initialiser; the names as `_paint` takes them."""
     shares = [material.ambient, material.diffuse, material.specular, material.shininess]
     if writer.reflections:
         shares.append(material.reflectivity)
     place = writer.numbers.add(shares)
     read = ", ".join(f"number(scene, {place + k})" for k in range(len(shares)))
-    return f"{{{_paint(material.color, writer.numbers, writer.parts, surface)}, {read}}}"
+    return f"{{{_paint(material.color, writer, surface, point, footprint)}, {read}}}"

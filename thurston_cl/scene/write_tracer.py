@@ -1,5 +1,11 @@
 """OpenCL text for tracers that ask for more than the distance to the scene."""
 
+import numpy as np
+
+from thurston_cl.krs.bounds import Balls
+from thurston_cl.lattice.isometry import identity
+from thurston_cl.scene import schema
+from thurston_cl.scene.near_walls import bounds_of
 from thurston_cl.scene.writer import Writer
 
 
@@ -21,6 +27,24 @@ def _write_component(writer: Writer) -> None:
         "}",
     ]
     writer.function("real scene_component(int k, point p, vector v, scene_data scene)", body)
+    writer.parts.add("march/stretch.h")
+    lines = ["switch (k) {"]
+    for k, solid in enumerate(writer.scene.solids):
+        ball = _ball(writer, solid)
+        if ball is not None:
+            lines.append(f"  case {k}: return stretch_in_ball(r, scene, {writer.numbers.add(ball)});")
+    lines += ["  default: return everywhere();", "}"]
+    writer.function("stretch scene_stretch(int k, ray r, scene_data scene)", lines)
+
+
+def _ball(writer: Writer, solid: schema.Solid) -> list[float] | None:
+    """Center and radius of a ball that holds a solid of e3, where one does."""
+    bounds = bounds_of(solid, identity("e3"), writer.place) if writer.geometry.name == "e3" else None
+    if not bounds:
+        return None
+    centers = np.array([bound.centre[:3] for bound in bounds])
+    center, radius = Balls(centers, np.array([bound.radius for bound in bounds])).enclosing()
+    return [*center, radius]
 
 
 def _write_unbounding(writer: Writer) -> None:

@@ -202,18 +202,21 @@ def rosette(
 ) -> tuple[list[Mirror], list[Record]]:
     """Mirrors and kernels, outermost first, for what grows around the last twig of a route.
 
-    Each mirror halves the sector around the twig, and leans a little along it, or else all copies of a kernel
-    would be in one ring. `grown(level, outwards)` is a kernel for the middle of what is left."""
-    binormal = np.cross(route.along, route.side)
+    Each mirror halves the sector around the twig. It leans a little along it, away from its kernel, or else
+    all copies of a kernel would be in one ring. `grown(level, outwards)` is a kernel with a center "c", for
+    the middle of what is left."""
+    binormal, end = np.cross(route.along, route.side), route.forks[-1]
 
     def around(azimuth: float) -> Vector:
         return math.cos(azimuth) * route.side + math.sin(azimuth) * binormal
 
     mirrors, kernels = [], []
     for level, (normal, middle) in enumerate(sectors(rng, levels)):
-        leaning = unit(around(normal) + rng.uniform(-0.3, 0.3) * route.along)
-        mirrors.append(Mirror.through(route.forks[-1], leaning))
-        kernels.append(grown(level, around(middle)))
+        kernel = grown(level, around(middle))
+        ahead = float((np.array(kernel["c"]) - end) @ route.along)
+        lean = -math.copysign(rng.uniform(0.0, 0.3), ahead)
+        mirrors.append(Mirror.through(end, unit(around(normal) + lean * route.along)))
+        kernels.append(kernel)
     return mirrors, kernels
 
 
@@ -226,7 +229,7 @@ def foliage(
     def leaf(level: int, outwards: Vector) -> Record:
         reach = unit(outwards + rng.uniform(0.2, 0.9) * along)
         face = across(reach, along)
-        roll = rng.uniform(0.3, 1.0) * rng.choice([-1, 1])
+        roll = rng.uniform(0.7, 1.3) * rng.choice([-1, 1])
         normal = math.cos(roll) * face + math.sin(roll) * np.cross(reach, face)
         # One behind the other along the twig, around its end, their stalks at the twig.
         stalk = route.forks[-1] + radius * (level - 0.5 * (levels - 1)) * along

@@ -30,7 +30,7 @@ def coral(
     buds: int = 2,
     seed: int = 0,
 ) -> Record:
-    """The record of a coral at the origin of the ground z = 0, about 4 limbs high and 5 wide.
+    """The record of a coral at the origin of the ground z = 0, about 5 limbs high and 7 wide.
 
     levels     branches from the ground to a tip, both included; there are 2^levels - 1 in all
     spread     half the angle of the first fork, radians

@@ -1,4 +1,4 @@
-"""A school of fish: a few fish, multiplied by mirrors that stand unaligned (Szécsi et al., figure 5)."""
+"""A school of fish: a few fish, multiplied by mirrors that stand unaligned (KRS paper, figure 5)."""
 
 import math
 from typing import Any
@@ -6,19 +6,19 @@ from typing import Any
 import numpy as np
 
 from .folds import EMPTY, Array, tilted
-from .kernels import moved, spindle
+from .pieces import moved, spindle
 
 # Beyond this even a list of where the fish are grows large: 32768 fish.
 MOST_DOUBLINGS = 12
+LEAST_STAGGER = 2.0  # or they would touch, each being off its place by chance
 _X, _Y, _Z = np.eye(3)
-_ROWS = (
-    (0.0, 1.0, -1.0),
-    (0.5, -0.5),
-)  # where fish are along x: in the lower and upper row, and between them
+# Where fish are along x: in the lower row and its image above it, and in the row between them.
+_ROWS = ((0.0, 1.0, -1.0), (0.5, -0.5))
 # A fish of length 1 lies within this distance of the segment along which it swims, and that reaches so far.
 _GIRTH, _HALF = 0.21, 0.62
 _FLATTER = 3.0  # a school is this much wider than high
 _HALVINGS = 6
+_ROUNDING = 1e-12
 
 
 def fish_school(
@@ -33,13 +33,16 @@ def fish_school(
 ) -> dict[str, Any]:
     """The record of a school of 8 · 2^`doublings` fish about the origin, swimming roughly along x; up is z.
 
-    `length` of a fish. `gap`: how much is left free at a mirror at most, and `stagger`: how far fish
-    that follow each other are apart, in lengths. `askew`: standard deviation of how far mirrors lean towards x;
+    `length` of a fish. `gap`: how much is left free at a mirror at most, and `stagger`: how far fish that
+    follow each other are apart, in lengths. `askew`: standard deviation of how far mirrors lean towards x;
     `spread`: how far at most a fish heads off x; angles in radians. Materials: 0 bodies, 1 fins, 2 eyes.
-    ValueError for more than MOST_DOUBLINGS.
+    ValueError for more than MOST_DOUBLINGS, or less than
+    LEAST_STAGGER.
     """
     if not 0 <= doublings <= MOST_DOUBLINGS:
         raise ValueError(f"a school is doubled 0 to {MOST_DOUBLINGS} times, not {doublings} times")
+    if stagger < LEAST_STAGGER:
+        raise ValueError(f"fish follow each other {LEAST_STAGGER} lengths apart at least, not {stagger:g}")
     random = np.random.default_rng(seed)
     centers, headings = np.zeros((0, 3)), np.zeros((0, 3))
     mirrors: list[tuple[Array, float]] = []
@@ -47,7 +50,9 @@ def fish_school(
 
     # Rows one above the other, upright in y; each fish is symmetric in the mirror of its row, and in y.
     for row, places in enumerate(_ROWS):
-        normal = tilted(_Z, _X, random.normal(0, askew / 2) if row else 0.0)
+        # A fish in a mirror turns by twice its lean.
+        lean = float(np.clip(random.normal(0, askew / 2), -spread / 2, spread / 2)) if row else 0.0
+        normal = tilted(_Z, _X, lean)
         heading = np.array([normal[2], 0.0, -normal[0]])
         turn = np.column_stack([heading, _Y, normal])
         centers, headings, offset = _doubled(centers, headings, normal, random.uniform(0, gap))
@@ -65,8 +70,9 @@ def fish_school(
         across = tilted(random.choice((-1.0, 1.0)) * across, other, random.normal(0, askew / 2))
         lean = random.normal(0, askew)
         for _ in range(_HALVINGS):
-            turned = headings - 2 * np.outer(headings @ (normal := tilted(across, _X, lean)), normal)
-            if turned[:, 0].min() >= math.cos(spread):
+            normal = tilted(across, _X, lean)
+            turned = headings - 2 * np.outer(headings @ normal, normal)
+            if turned[:, 0].min() >= math.cos(spread) - _ROUNDING:
                 break
             lean /= 2
         else:

@@ -1,4 +1,4 @@
-"""What recipes that simulate the fold of a kernel-reflection sequence share (Szécsi et al., section 3).
+"""What recipes that simulate the fold of a kernel-reflection sequence share (KRS paper, section 3).
 
 A recipe of this kind takes sample points of what it wants to cover, and chooses mirrors from the outermost to
 the innermost, each by where the samples lie after the ones before it.
@@ -29,7 +29,7 @@ def fold(points: Array, normal: Array, offset: float) -> Array:
 
 
 def longest_axis(points: Array, across: Array | None = None) -> Array:
-    """The unit vector along which points (N, 3) vary most, orthogonal to the unit vector `across` if given."""
+    """The unit vector along which points (N, 3) vary most, orthogonal to the unit vector `across`, if any."""
     spread = points - points.mean(axis=0)
     if across is not None:
         spread = spread - np.outer(spread @ across, across)
@@ -70,7 +70,7 @@ def over_ball(
 
 
 def farthest_turn(directions: Array, mirrors: list[Mirror], outward: Array) -> float:
-    """The least cosine to `outward` with which directions (N, 3) from infinity end, where no offset counts."""
+    """The least cosine to `outward` of directions (N, 3) once folded from afar, where no offset counts."""
     for normal, _ in mirrors:
         directions = fold(directions, normal, 0.0)
     return float((directions @ outward).min())

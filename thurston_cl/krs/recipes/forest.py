@@ -8,7 +8,8 @@ import numpy as np
 from .branches import Mirror, Record, Vector, record, unit
 from .tree import tree
 
-# The land of a tree is known by so many points a side, and that of the forest by so many of their images.
+# The land of a tree is known by so many points a side, and that of the forest by so many of their images, as
+# its trees are.
 _POINTS = 12
 _MOST_POINTS = 8192
 # Where land ends is found to this part of the spacing.
@@ -44,18 +45,18 @@ def forest(
     too many. One forest shows its mirrors. A union of a few, of other seeds and spacings, hides them."""
     rng = np.random.default_rng([seed, 1])
     land = _cell(spacing) + _ASIDE * spacing * rng.uniform(-1, 1, 3) * (1, 1, 0)
+    trees = np.zeros((1, 3))
     mirrors: list[Mirror] = []
     for level in range(doublings):
         azimuth = level * math.pi / 2 + _CALMER**level * scatter * rng.uniform(-1, 1)
         # The first mirror is upright: the kernel of its level is the ground, in one piece, below two trees.
         lean = roll * rng.normal() if ground and level > 0 else 0.0
         normal = unit(np.array([math.cos(azimuth), math.sin(azimuth), math.sin(lean)]))
-        mirror = Mirror(normal, _edge(land @ normal, _ROW * spacing))
+        edge = _edge(land @ normal, _ROW * spacing)
+        mirror = Mirror(normal, _between_trees(edge, trees @ normal, spacing))
         mirrors.append(mirror)
-        land = land[land @ normal <= mirror.offset]
-        land = np.concatenate([land, mirror.image(land)])
-        if len(land) > _MOST_POINTS:
-            land = rng.permutation(land)[:_MOST_POINTS]
+        land = _doubled(rng, land, mirror)
+        trees = _doubled(rng, trees, mirror)
     soil: Record = (
         {"type": "plane", "n": [0.0, 0.0, 1.0], "h": 0.0, "mat": 2} if ground else {"type": "empty"}
     )
@@ -77,3 +78,18 @@ def _edge(heights: Vector, row: float) -> float:
     highest = float(heights.max())
     counts = np.bincount(((highest - heights) / row).astype(int))
     return highest - row * int(np.argmax(counts >= 0.5 * np.median(counts)))
+
+
+def _between_trees(edge: float, heights: Vector, spacing: float) -> float:
+    """The offset near `edge` of a mirror that has the fewest trees close to it, which would grow into their
+    images; of trees at these heights above it."""
+    offsets = edge + spacing * np.array([0.0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3, 0.4, -0.4])
+    close = np.abs(heights - offsets[:, np.newaxis]) < 0.3 * spacing
+    return float(offsets[np.argmin(close.sum(axis=1))])
+
+
+def _doubled(rng: np.random.Generator, points: Vector, mirror: Mirror) -> Vector:
+    """What a mirror leaves of points, and its image; of very many, some."""
+    left = points[points @ mirror.normal <= mirror.offset]
+    doubled = np.concatenate([left, mirror.image(left)])
+    return doubled if len(doubled) <= _MOST_POINTS else rng.permutation(doubled)[:_MOST_POINTS]

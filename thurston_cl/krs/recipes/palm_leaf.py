@@ -1,4 +1,4 @@
-"""The frond of a palm as a Möbius sequence, so that it bends and no leaflet equals another (Szécsi et al.,
+"""The frond of a palm as a Moebius sequence, so that it bends and no leaflet equals another (KRS paper,
 section 6 and figure 13)."""
 
 import math
@@ -6,9 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from .folds import EMPTY, unit
-from .kernels import spindle
-from .moebius import Array, applied, bend, composed, dilation, rotation, translation
+from thurston_cl.krs.moebius import (
+    Map,
+    bend,
+    conjugate,
+    dilation,
+    embedded,
+    identity,
+    product,
+    rotation,
+    translation,
+)
+
+from .folds import EMPTY, Array, unit
+from .pieces import spindle
 
 MOST_DOUBLINGS = 12
 _X, _Y, _Z = np.eye(3)
@@ -19,23 +30,24 @@ def palm_leaf(
     *,
     length: float = 1.0,
     doublings: int = 5,
-    leaflets: float = 0.45,
-    width: float = 0.28,
+    leaflets: float = 0.5,
+    width: float = 0.33,
     hang: float = math.radians(23),
     droop: float = 0.5,
-    taper: float = 0.7,
-    fullness: float = 0.9,
-    uneven: float = 0.06,
-    stalk: float = 0.25,
+    taper: float = 1.0,
+    fullness: float = 0.2,
+    uneven: float = 0.1,
+    stalk: float = 0.4,
     seed: int = 3,
 ) -> dict[str, Any]:
-    """The Möbius record of a frond whose blade begins at the origin and grows along x; up is z.
+    """The Moebius record of a frond whose blade begins at the origin and grows along x; up is z.
 
-    `length` of the blade, straight from end to end. 2^`doublings` leaflets on either side. About how long is
-    the longest of these, `leaflets`, and the `stalk`, in lengths of the midrib before it is bent; how wide,
-    in distances between them. `hang`: how far they slope down from the midrib, in radians. `droop`: how
-    strongly it bends down, `taper`: how strongly leaflets get smaller towards its end, `fullness`: towards
-    both ends; 0 to about 1. `uneven`: how strongly maps of the other levels bend and scale, each by chance.
+    `length` of the blade, straight from end to end, and about that of the `stalk`, in lengths of it.
+    2^`doublings` leaflets on either side, as long as `leaflets`, about, in lengths of the midrib before it is
+    bent, and `width` half their width, in distances between them. `hang`: how far they slope down from the
+    midrib, in radians. `droop`: how strongly it bends down, `taper`: how strongly leaflets get smaller
+    towards its end, `fullness`: towards both ends; 0 to about 1. `uneven`: how strongly maps of the other
+    levels bend and scale, each by chance.
     Materials: 0 leaflets, 1 midrib. ValueError for a number of doublings not from 1 to MOST_DOUBLINGS.
     """
     if not 1 <= doublings <= MOST_DOUBLINGS:
@@ -55,36 +67,44 @@ def palm_leaf(
     rib = np.array([[0.5, 0, 0], [0.5 - _STEP, 0, 0], [-0.5, 0, 0], [-0.5 + _STEP, 0, 0]])
 
     # Double the leaflets of one side: a mirror stands across the midrib where it ends.
-    maps = []
+    maps: list[Map] = []
     for i in range(doublings):
         row = float(np.linalg.norm(rib[2] - rib[0]))
-        by_chance = uneven * random.normal(size=2) * (1.0, 0.5) / max(row, blade) if i else (0.0, 0.0)
+        by_chance = uneven * random.uniform(-1, 1, 2) * (0.5, 0.25) / max(row, blade) if i else (0.0, 0.0)
         full = fullness / row if i == doublings - 1 else 0.0
-        ending = composed(bend((by_chance[0] + full, 0, by_chance[1])), _at_end(rib))
-        maps.append(composed(ending, before))
-        left = applied(ending, rib[2:])
+        ending = bend((by_chance[0] + full, 0, by_chance[1])) @ _at_end(rib)
+        maps.append(ending @ before)
+        left = _images(ending, rib[2:])
         rib = np.concatenate([left * (-1, 1, 1), left])
-        before = rotation(np.eye(3))
+        before = identity()
         kernels.append(EMPTY)
 
     # Double the side; then bend the whole, all of it ahead of what goes to infinity.
-    to_side = composed(rotation(np.column_stack([-_Y, -_X, -_Z])), _at_end(rib))
-    tip = applied(to_side, rib[2])
+    to_side = rotation(np.column_stack([-_Y, -_X, -_Z])) @ _at_end(rib)
+    tip = _images(to_side, rib[2])
     reach = float(np.linalg.norm(tip))
-    maps.append(composed(to_side, before))
-    stem = {"type": "capsule", "a": [0.0, -stalk * reach, 0.0], "b": [0.0, 0.0, 0.0], "r": 0.24, "mat": 1}
-    kernels[-1] = EMPTY
-    kernels.append(stem)
+    maps.append(to_side @ before)
     sideways = 0.15 * random.choice((-1.0, 1.0))
-    whole = composed(
-        rotation(np.column_stack([-_Y, _X, _Z])), bend(np.array([sideways, -taper, droop]) / reach)
-    )
-    maps.append(composed(dilation(length / float(np.linalg.norm(applied(whole, tip)))), whole))
-    return {"G": np.array(maps).tolist(), "kernels": kernels}
+    bent = bend(np.array([sideways, -taper, droop]) / reach)
+    whole = rotation(np.column_stack([-_Y, _X, _Z])) @ bent
+    size = float(np.linalg.norm(_images(whole, tip)))
+    maps.append(dilation(length / size) @ whole)
+    # Behind the blade a length t becomes about t / (1 − taper t / reach): nearer to the pole, longer.
+    stem = stalk * size / (1 + taper * stalk * size / reach)
+    kernels.append({"type": "capsule", "a": [0.0, -stem, 0.0], "b": [0.0, 0.0, 0.0], "r": 0.24, "mat": 1})
+    return {"G": [m.matrix.tolist() for m in maps], "kernels": kernels}
 
 
-def _at_end(rib: Array) -> Array:
+def _at_end(rib: Array) -> Map:
     """The motion that takes the end of the midrib, in y = 0, to the origin and its direction there to x."""
     ahead = unit(rib[0] - rib[1])
     turn = np.array([[ahead[0], 0, ahead[2]], [0, 1, 0], [-ahead[2], 0, ahead[0]]])
-    return composed(rotation(turn), translation(-rib[0]))
+    return rotation(turn) @ translation(-rib[0])
+
+
+def _images(of: Map, points: Array) -> Array:
+    """The images (..., 3) of points (..., 3): without a device, on which Map.apply works."""
+    (a, b), (c, d) = of.matrix
+    q = embedded(points)
+    below = product(c, q) + d
+    return product(product(a, q) + b, conjugate(below))[..., 1:] / np.sum(below**2, axis=-1, keepdims=True)

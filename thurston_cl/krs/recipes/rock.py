@@ -1,18 +1,21 @@
-"""A rock: the unit sphere folded together until a plane is enough (Szécsi et al., figure 8 and section 9.1)."""
+"""A rock: a sphere folded together until a plane is enough (KRS paper, figure 8 and section 9.1)."""
 
 import math
 from typing import Any
 
 import numpy as np
 
+from thurston_cl.krs.sequence import MOST_LEVELS
+
 from .folds import GATHERING, farthest_turn, fold, over_ball, sequence, unit
 
+LEAST_LEVELS = GATHERING + 1
 _SAMPLES = 6000
-# All directions from afar end nearer to the one that it is folded to than this cosine, or the far side of the rock would be open.
+# From afar all directions are folded nearer to one than this cosine, or the rock would have an open side.
 _NEAREST = 0.6
 # Between which spheres about the origin the surface lies, in radii.
 INNERMOST, OUTERMOST = 0.4, 1.8
-_ATTEMPTS = 400
+_ATTEMPTS = 150
 
 
 def rock(
@@ -20,12 +23,13 @@ def rock(
 ) -> dict[str, Any]:
     """The record of a rock about the origin.
 
-    `radius`: about how far its surface is from the origin: 0.4 to 1.8 of it. `levels`: mirrors, 6 to 40; each one past 5 halves
-    the facets. `roughness`: 0 for a nearly round stone, 1 for a battered one, 2 for a heap. `smooth`: how far
-    shading hides the edges, 0 for facets. ValueError where no stone is closed.
+    `radius`: about how far its surface is from the origin: 0.4 to 1.8 of it. `levels`: mirrors, 6 to 40;
+    each one past 5 halves the facets. `roughness`: 0 for a cut stone, 1 for a battered one. `smooth`: how
+    far shading hides the edges, 0 for facets. ValueError for other numbers of levels, and where
+    `roughness` lets no stone close.
     """
-    if not GATHERING < levels <= 40:
-        raise ValueError(f"a rock has {GATHERING + 1} to 40 levels, not {levels}")
+    if not LEAST_LEVELS <= levels <= MOST_LEVELS:
+        raise ValueError(f"a rock has {LEAST_LEVELS} to {MOST_LEVELS} levels, not {levels}")
     random = np.random.default_rng(seed)
     for _ in range(_ATTEMPTS):
         record = _attempt(random, radius, levels, roughness, smooth)

@@ -7,14 +7,14 @@ import numpy as np
 from .branches import Habit, Mirror, Record, best_walk, foliage, record, sectors, unit, walk
 
 # How far the mirrors around the middle lean at most: stems at unequal angles, and still out of the ground.
-_LEAN = 0.15
+_LEAN = 0.08
 
 
 def shrub(
     *,
     stems: int = 3,
     levels: int = 9,
-    spread: float = math.radians(22),
+    spread: float = math.radians(26),
     widen: float = math.radians(20),
     lean: float = math.radians(15),
     outwards: float = math.radians(28),
@@ -24,13 +24,13 @@ def shrub(
     thickness: float = 0.05,
     taper: float = 0.82,
     up: float = 0.12,
-    upright: float = 0.6,
+    upright: float = 0.45,
     loose: float = 0.6,
     leaves: int = 3,
     leaf_size: float = 0.12,
     seed: int = 0,
 ) -> Record:
-    """The record of a shrub around the origin of the ground z = 0, about 3 stems high and 6 wide.
+    """The record of a shrub around the origin of the ground z = 0, about 4 stems high and 7 wide.
 
     stems      how often stems are doubled: there are 2^stems
     levels     branches from a stem to a twig, both included

@@ -1,16 +1,19 @@
-"""A sponge: rings around pores, folded over a ball and through its skin (Szécsi et al., figure 10)."""
+"""A sponge: rings around pores, folded over a ball and through its skin (KRS paper, figure 10)."""
 
 import math
 from typing import Any
 
 import numpy as np
 
+from thurston_cl.krs.sequence import MOST_LEVELS
+
 from .folds import GATHERING, farthest_turn, longest_axis, over_ball, sequence, tilted, unit
 
+SKIN_LEVELS = GATHERING + 2  # the fewest mirrors that make pores
 _SAMPLES = 6000
-# All directions from afar end nearer to the one that it is folded to than this cosine, so that it is round.
+# From afar all directions are folded nearer to one than this cosine, so that it is round.
 _NEAREST = 0.75
-_ATTEMPTS = 400
+_ATTEMPTS = 200
 # How far a ring is from closed, in radians: a toroidal capsule has two ends.
 _OPEN = 0.04
 
@@ -22,7 +25,7 @@ def sponge(
     layers: int = 4,
     threads: float = 0.5,
     lumps: float = 1.0,
-    seed: int = 1,
+    seed: int = 4,
 ) -> dict[str, Any]:
     """The record of a sponge about the origin.
 
@@ -31,10 +34,9 @@ def sponge(
     shell. `threads`: how thick is what stands between pores, 0 to 1. `lumps`: 0 for a ball, 2 for a lump.
     ValueError where no round one is found.
     """
-    if not GATHERING + 2 + layers <= levels <= 40:
-        raise ValueError(
-            f"a sponge of {layers} layers has {GATHERING + 2 + layers} to 40 levels, not {levels}"
-        )
+    if layers < 0 or not SKIN_LEVELS + layers <= levels <= MOST_LEVELS:
+        least = SKIN_LEVELS + max(layers, 0)
+        raise ValueError(f"a sponge of {layers} layers has {least} to {MOST_LEVELS} levels, not {levels}")
     random = np.random.default_rng(seed)
     directions = unit(random.normal(size=(_SAMPLES, 3)))
     for _ in range(_ATTEMPTS):
@@ -57,11 +59,7 @@ def sponge(
         mirrors.append((below, float(-center @ outward + 0.45 * pore * 2**i)))
     ring, thread = 0.54 * radius * pore, radius * pore * (0.1 + 0.3 * threads)
     middle = radius * center
-    ends = [middle + ring * (math.cos(_OPEN) * first + s * math.sin(_OPEN) * second) for s in (1, -1)]
-    torus = {
-        "type": "torcap",
-        "p": ends[0].tolist(),
-        "q": ends[1].tolist(),
-        "m": (middle - ring * first).tolist(),
-    }
-    return sequence(mirrors, {0: torus | {"r": thread, "mat": 0}}, radius)
+    opening = math.cos(_OPEN) * first + np.outer((1, -1), math.sin(_OPEN) * second)
+    p, q, m = (middle + ring * around for around in (*opening, -first))
+    torus = {"type": "torcap", "p": p.tolist(), "q": q.tolist(), "m": m.tolist(), "r": thread, "mat": 0}
+    return sequence(mirrors, {0: torus}, radius)

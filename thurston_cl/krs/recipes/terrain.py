@@ -1,14 +1,28 @@
-"""Terrain: a level plane folded together until one slope is enough (Szécsi et al., section 9.1)."""
+"""Terrain: a level plane folded together until one slope is enough (KRS paper, section 9.1)."""
 
 import math
 from typing import Any
 
 import numpy as np
 
+from thurston_cl.krs.sequence import MOST_LEVELS
+
 from .folds import Array, fold, longest_axis, sequence, tilted
 
+# Terrain that is gentle and well aligned.
+SEABED: dict[str, Any] = {
+    "size": 60.0,
+    "levels": 14,
+    "roughness": math.radians(1),
+    "slope": math.radians(9),
+    "steepest": math.radians(18),
+    "wander": math.radians(10),
+    "ripples": 4,
+    "seed": 3,
+}
 _SAMPLES = 8000
 _UPRIGHT = 3  # outermost mirrors that are vertical, or there would be walls where the sampled square ends
+LEAST_LEVELS = _UPRIGHT + 1
 _HALVINGS = 6
 
 
@@ -34,8 +48,8 @@ def terrain(
     so many of the innermost mirrors cross the slope, which makes ripples of its steepness, their crests
     nearly along y. Angles in radians.
     """
-    if not _UPRIGHT < levels <= 40:
-        raise ValueError(f"a terrain has {_UPRIGHT + 1} to 40 levels, not {levels}")
+    if not LEAST_LEVELS <= levels <= MOST_LEVELS:
+        raise ValueError(f"a terrain has {LEAST_LEVELS} to {MOST_LEVELS} levels, not {levels}")
     if not 0 < slope < steepest < math.pi / 2:
         raise ValueError("of a terrain, slope is above 0 and below steepest, and that is below a right angle")
     if not 0 <= ripples < levels:
@@ -81,20 +95,9 @@ def terrain(
     return sequence(mirrors, {0: plane}, size, widths)
 
 
-def seabed(
-    *, size: float = 60.0, levels: int = 14, ripple: float = math.radians(9), seed: int = 3
-) -> dict[str, Any]:
-    """The record of a sea floor of gentle ripples of sand: terrain with other defaults, `ripple` its slope."""
-    return terrain(
-        size=size,
-        levels=levels,
-        roughness=math.radians(1),
-        slope=ripple,
-        steepest=2 * ripple,
-        wander=math.radians(10),
-        ripples=4,
-        seed=seed,
-    )
+def seabed(**others: Any) -> dict[str, Any]:
+    """The record of a sea floor with ripples of sand: of terrain with the values of SEABED unless given."""
+    return terrain(**{**SEABED, **others})
 
 
 def _turned(points: Array, ups: Array, normal: Array, offset: float) -> Array:

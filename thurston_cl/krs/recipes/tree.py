@@ -25,7 +25,7 @@ def tree(
     leaf_size: float = 0.2,
     seed: int = 0,
 ) -> Record:
-    """The record of a tree at the origin of the ground z = 0, about 3.5 trunks high and as wide.
+    """The record of a tree at the origin of the ground z = 0, about 4 trunks high and as wide.
 
     levels     branches from the trunk to a twig, both included; the tree has 2^levels - 1 in all
     spread     half the angle of the first fork, radians

@@ -1,4 +1,4 @@
-"""Kernels of a kernel-reflection sequence: making flat spindles of them, and moving them."""
+"""Kernels of recipes: flat spindles of what a mirror cuts, and moving kernels."""
 
 from typing import Any
 
@@ -38,15 +38,15 @@ def moved(
     shift: ArrayLike = (0.0, 0.0, 0.0),
     scale: float = 1.0,
 ) -> dict[str, Any]:
-    """The kernel scaled, then turned by an orthogonal matrix (3, 3), then shifted."""
-    turn = np.eye(3) if rotation is None else rotation
+    """The record of a kernel scaled, then turned by an orthogonal matrix (3, 3), then shifted."""
+    turn, to = np.eye(3) if rotation is None else rotation, np.asarray(shift, dtype=float)
     kind, result = kernel["type"], dict(kernel)
     for key in _POINTS[kind]:
-        result[key] = (turn @ (scale * np.asarray(kernel[key], dtype=float)) + shift).tolist()
+        result[key] = (turn @ (scale * np.asarray(kernel[key], dtype=float)) + to).tolist()
     for key in _DIRECTIONS.get(kind, ""):
         result[key] = (turn @ np.asarray(kernel[key], dtype=float)).tolist()
     for key in _LENGTHS.get(kind, ""):
         result[key] = scale * kernel[key]
     if kind == "plane":
-        result["h"] = scale * kernel["h"] + float(np.dot(result["n"], shift))
+        result["h"] = scale * kernel["h"] + float(np.dot(result["n"], to))
     return result
