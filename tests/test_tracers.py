@@ -360,7 +360,7 @@ def test_blocks_start_before_the_surface(
     def only_blocks(kernel: str, *arguments: Any, **options: Any) -> None:
         if kernel == "trace_blocks":
             launch(kernel, *arguments, **options)
-            kept.append(renderer._first_look(tile)[0])
+            kept.append(renderer.records(tile)[0])
 
     monkeypatch.setattr(renderer, "_launch", only_blocks)
     tile = Tile(0, 0, *SIZE)
@@ -408,6 +408,7 @@ FN real scene_distance(point p, vector v, scene_data scene)
   real a = scene_component(0, p, v, scene), b = scene_component(1, p, v, scene);
   return SELECT(b < a, b, SELECT(b == b, a, b));
 }
+FN stretch scene_stretch(int k, ray r, scene_data scene) { return everywhere(); }
 FN mask scene_unbounding(point c, real radius, scene_data scene)
 {
   return scene_distance(c, c, scene) >= radius;
@@ -418,13 +419,14 @@ FN mask scene_unbounding(point c, real radius, scene_data scene)
 @pytest.mark.parametrize("lanes", [1, 16])
 @pytest.mark.parametrize("tracer", ["direct", *TRACERS])
 def test_a_nan_ends_a_lane_and_no_other(tracer: str, lanes: int, opencl_device: Device) -> None:
-    parts = (*geometry_parts("e3"), "scene_types.h", "march.h", f"march/{tracer}.h", "march/loop.h")
+    parts = (*geometry_parts("e3"), "scene_types.h", "march.h", "march/stretch.h")
     own = program.kernel_text("march/compound.h")
     assert "COMPONENTS" in own
-    head = "".join(f'#line 1 "{part}"\n{program.kernel_text(part)}\n' for part in parts[-2:]) + _HEAD
+    after = (f"march/{tracer}.h", "march/loop.h")
+    head = "".join(f'#line 1 "{part}"\n{program.kernel_text(part)}\n' for part in after) + _HEAD
     kernels = SmallKernels(
         opencl_device,
-        parts[:-2],
+        parts,
         {"march": Body(6, 4, _MARCH)},
         "single",
         lanes,

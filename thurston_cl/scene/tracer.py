@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from thurston_cl.models import FIBRED, ISOTROPIC, PRODUCTS
 
 from .base import Problem
+from .krs import Krs
 from .shapes import Solid
 
 if TYPE_CHECKING:
@@ -32,8 +33,12 @@ def tracer_of(scene: "Scene") -> Tracer:
         return Tracer(asked, "as the scene says")
     # Ordinary objects are cheap beside the choice between them.
     costly = sum(solid.kind == "krs" for solid in scene.solids)
-    if costly < 2:
+    if costly == 0:
         return Tracer("direct", "all objects at once are cheap")
+    if costly == 1:
+        if scene.manifold is None and not any(_is_directed(solid, scene.geometry) for solid in scene.objects):
+            return Tracer("relaxed", "an object is costly to ask for its distance")
+        return Tracer("direct", "relaxed steps are for the whole space and distances that hold all around")
     if scene.manifold is not None or scene.geometry not in (*ISOTROPIC, *PRODUCTS):
         return Tracer("direct", "others are for the whole space of an isotropic geometry or a product")
     if len(scene.solids) > MOST_COMPONENTS:
@@ -57,7 +62,7 @@ def _tracer(scene: "Scene") -> Iterator[Problem]:
         yield Problem(place, f"tracer: {name} needs the whole space, and this is a manifold", cure, True)
         return
     if name == "relaxed" and any(_is_directed(solid, geometry) for solid in scene.objects):
-        message = "tracer: relaxed needs distances all around; that of a level plane holds along the ray"
+        message = "tracer: relaxed needs distances all around; those of level planes and empty zones hold along rays"
         yield Problem(place, message, cure, True)
     if name == "compound" and geometry not in (*ISOTROPIC, *PRODUCTS):
         message = f"tracer: compound flows along any length at once, which in {geometry} is costly"
@@ -91,6 +96,8 @@ def _block_start(scene: "Scene") -> Iterator[Problem]:
 
 def _is_directed(solid: Solid, geometry: str) -> bool:
     """Whether the distance to a solid is bounded along the ray alone (`writer.DIRECTED`)."""
+    if isinstance(solid.shape, Krs):
+        return bool(solid.shape.empty_zones)
     members = solid.shape if isinstance(solid.shape, tuple) else (solid.shape,)
     if any(isinstance(member, Solid) for member in members):
         return any(_is_directed(member, geometry) for member in members)
