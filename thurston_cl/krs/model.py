@@ -42,10 +42,10 @@ class Model:
         chosen = devices.choose(device) if device is None or isinstance(device, str) else device
         self._order = list(order)
         self._numbers = np.array(sequence.numbers)
-        self._program = sequence_program(
+        self.program = sequence_program(
             sequence.geometry, sequence.name, frozenset(sequence.kinds), precision, chosen, lanes
         )
-        self.device, self.precision, self.lanes = chosen, precision, self._program.lanes
+        self.device, self.precision, self.lanes = chosen, precision, self.program.lanes
 
     @classmethod
     def from_dict(cls, record: Mapping[str, Any], **settings: Any) -> Self:
@@ -148,7 +148,7 @@ class Model:
 
     def _run(self, name: str, arrays: list[Array], outputs: int, numbers: Array | None = None) -> Array:
         numbers = self._numbers if numbers is None else numbers
-        return self._program.run(f"{self.sequence.name}_over_{name}", arrays, outputs, numbers=numbers)
+        return self.program.run(f"{self.sequence.name}_over_{name}", arrays, outputs, numbers=numbers)
 
 
 def _with_one(place: Array) -> Array:
