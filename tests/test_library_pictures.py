@@ -75,6 +75,7 @@ OPEN = {
     "s2xe/line-of-balls-fake-light": (0.8, 0.97),
     "s2xe/mirrored-sphere": (0.65, 0.9),
     "s2xe/one-light": (0.4, 0.8),
+    "h2xe/hall": (0.8, 0.98),
     "h2xe/half-space": (0.6, 0.9),
     "h2xe/stereo-anaglyph": (0.2, 0.4),
     "nil/bundle-of-fibers": (0.2, 0.6),
