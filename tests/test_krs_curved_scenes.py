@@ -614,7 +614,9 @@ def test_trees_are_as_high_as_is_asked() -> None:
 
 
 def test_trees_are_no_larger_than_their_cells() -> None:
-    record = hyperbolic_forest(height=2.5, spread=1.05, ratio=1, doublings=5, forks=8, foliage=2)
+    record = hyperbolic_forest(
+        height=2.5, spread=1.05, ratio=1, doublings=5, forks=8, foliage=2, thickness=0.07, leaf_size=0.05
+    )
     smaller = trunk(record)["r"] / 0.035
     assert 0.3 < smaller < 0.5
     np.testing.assert_allclose(np.arcsinh(trunk(record)["b"][3]), smaller * 2.5 * 1.5 / 9.5)

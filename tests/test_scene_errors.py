@@ -1524,7 +1524,7 @@ MISTAKES = {
     "a hyperbolic forest that spreads too far": Mistake(
         a_forest("spread: 61 deg"),
         "3:39",
-        "expected an angle from 5 deg to 60 deg; this is 61 deg",
+        "expected an angle from 5 to 60 deg; this is 61 deg",
         "",
         False,
     ),
