@@ -4,6 +4,7 @@ are made of; and the recipe of a forest in hyperbolic space.
 """
 
 import json
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -25,6 +26,8 @@ from thurston_cl.krs.recipes.hyperbolic_forest import (
     pentagon,
 )
 from thurston_cl.krs.sequence import Sequence as KernelSequence
+from thurston_cl.krs.words import level_by_level
+from thurston_cl.models import ORIGIN
 from thurston_cl.program import geometry_parts
 from thurston_cl.scene import load_text
 from thurston_cl.scene.krs_curved import HyperbolicForest
@@ -95,6 +98,7 @@ VIEWS = {
     "h3": [-0.3, -0.5, 0.8],
     "s2xe": [-0.6, -0.9, 0.4],
     "h2xe": [-0.3, -0.5, 0.6],
+    "e3": [-1, -1, 0.5],
 }
 
 
@@ -226,6 +230,23 @@ def test_a_mirror_stands_across_its_geodesic(
     np.testing.assert_allclose(fixed, along, atol=1e-13 * np.abs(along).max())
 
 
+@every_space
+def test_explain_tells_of_mirrors_as_scenes_write_them(space: str, spaces: dict[str, Geometry]) -> None:
+    points = _Points(spaces[space])
+    ball = curved.sphere(space, np.array(ORIGIN[space]), 0.1, 0)
+    for sense in (1, -1):
+        mirror = points.mirror((sense * 0.6, sense * -0.8, 0), 0.3)
+        sequence = KernelSequence(space, (mirror,), (ball, ball))
+        across = "(0.6, -0.8, 0)" if sense == 1 else "(-0.6, 0.8, 0)"
+        assert level_by_level(sequence)[1] == f"1: mirror across {across} at 0.3; ball of radius 0.1"
+    if space in ("s2xe", "h2xe"):
+        level = KernelSequence(space, (points.mirror((0, 0, -1), 0.3),), (ball, ball))
+        assert level_by_level(level)[1] == "1: horizontal mirror at height -0.3; ball of radius 0.1"
+    if space == "s3":
+        far = KernelSequence(space, (points.mirror((0, 0, 1), np.pi / 2),), (ball, ball))
+        assert level_by_level(far)[1] == "1: mirror a quarter turn from the origin; ball of radius 0.1"
+
+
 # Kernels
 
 
@@ -340,6 +361,7 @@ def test_normals_are_the_gradients_of_distances(
         assert np.abs(parts - slopes)[smooth].max() < 1e-3, name
 
 
+@pytest.mark.filterwarnings("ignore:.*reaches beyond the mirror")
 @pytest.mark.parametrize(
     ("space", "normal"),
     [
@@ -351,7 +373,6 @@ def test_normals_are_the_gradients_of_distances(
         ("h2xe", [1, 0, 0]),
     ],
 )
-@pytest.mark.filterwarnings("ignore:.*reaches beyond the mirror")
 def test_patterns_of_half_spaces_are_those_of_ordinary_ones(
     space: str, normal: list[int], opencl_device: Device
 ) -> None:
@@ -434,6 +455,43 @@ def test_what_reaches_beyond_a_mirror_between_its_ends_is_told(
         sines = on @ mirror.form[:4]
         deepest = float(np.max(np.arcsin(sines) if space == "s3" else np.arcsinh(sines))) + 0.1
         assert abs(kernel.reach(mirror.form) - deepest) < 1e-6
+
+
+@every_space
+def test_half_spaces_before_their_mirror_do_not_reach_it(space: str, spaces: dict[str, Geometry]) -> None:
+    points = _Points(spaces[space])
+    normals = [(1.0, 0.0, 0.0)] if space in ("s3", "h3") else [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
+    for u in normals:
+        kernel = curved.plane(space, points.mirror(u, 0.3), 0)
+        for offset in (0.2, 0.3, 0.5):
+            # On a sphere any two great circles meet.
+            nested = space == "h3" or u[2] == 1 or space == "h2xe"
+            expected = 0.3 - offset if (nested and offset >= 0.3) or u[2] == 1 else np.inf
+            if offset == 0.3:
+                expected = 0
+            assert kernel.reach(points.mirror(u, offset).form) == pytest.approx(expected, abs=1e-7)
+        back = points.mirror((-u[0], 0.0, -u[2]), 0.5)
+        assert kernel.reach(back.form) == np.inf
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", ["h3/forest", "s3/basket", "h2xe/hall"])
+def test_scenes_do_not_warn_of_what_no_mirror_takes_away(name: str, opencl_device: Device) -> None:
+    tc.render(tc.load_scene(name), size=(24, 16), samples=1, device=opencl_device)
+
+
+@pytest.mark.parametrize("at", [-0.05, 0.0, 0.05])
+@pytest.mark.parametrize("space", ["e3", *SPACES])
+def test_scenes_warn_of_what_a_mirror_takes_away(space: str, at: float, opencl_device: Device) -> None:
+    """Of a ball whose center is beyond a mirror, and of a plane that is not across it."""
+    levels = [{"mirror": {"normal": [1, 0, 0], "offset": 0.3}}]
+    ball = {"ball": {"radius": 0.1, "at": [0.3 + at, 0, 0]}}
+    plane = {"half-space": {"normal": [0.05 + at, -1, 0]}}
+    for kernel, is_lost in ((ball, at > 0), (plane, at > -0.05)):
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            render(scene_of(space, {"krs": {"kernel": kernel, "levels": levels}}), opencl_device)
+        assert any("reaches beyond the mirror" in str(found.message) for found in told) is is_lost, kernel
 
 
 # The forest
@@ -556,7 +614,9 @@ def test_trees_are_as_high_as_is_asked() -> None:
 
 
 def test_trees_are_no_larger_than_their_cells() -> None:
-    record = hyperbolic_forest(height=2.5, spread=1.05, ratio=1, doublings=5, forks=8, foliage=2)
+    record = hyperbolic_forest(
+        height=2.5, spread=1.05, ratio=1, doublings=5, forks=8, foliage=2, thickness=0.07, leaf_size=0.05
+    )
     smaller = trunk(record)["r"] / 0.035
     assert 0.3 < smaller < 0.5
     np.testing.assert_allclose(np.arcsinh(trunk(record)["b"][3]), smaller * 2.5 * 1.5 / 9.5)

@@ -19,6 +19,8 @@ from thurston_cl.models import MODEL, PRODUCTS, off_model
 
 Array = NDArray[np.float64]
 
+# Products of unit normals are this near to 1 for planes that are the same.
+SAME_PLANE = 1e-12
 # How far a written point or normal may be off its model.
 OFF_MODEL = 1e-6
 
@@ -131,7 +133,20 @@ def plane(geometry: str, mirror: Mirror, part: int) -> Kernel:
     """What lies on the negative side of a plane. Coordinates on it begin next to the origin."""
     level = geometry in PRODUCTS and mirror.form[3] != 0
     own = (*mirror.form, 0.0 if level else 1.0, *_coordinates(geometry, mirror.normal, level).ravel())
-    return Kernel("plane", part, own, None, lambda form: np.inf, "half-space")
+
+    def reach(form: Array) -> float:
+        # Bounded only towards planes that face the same way, do not meet its own and do not lie within.
+        together = float(form[:4] @ mirror.normal)
+        if together < 1 - SAME_PLANE:
+            return np.inf
+        if level:
+            return float(form[4] - mirror.form[4])
+        if together < 1 + SAME_PLANE:
+            return 0.0
+        on_own = -signs_of(geometry) * np.array(own[-4:])
+        return -float(np.arccosh(together)) if form[:4] @ on_own < 0 else np.inf
+
+    return Kernel("plane", part, own, None, reach, "half-space")
 
 
 def _coordinates(geometry: str, normal: Array, level: bool) -> Array:

@@ -45,10 +45,21 @@ class Kernel:
         return head + [0.0] * (KERNEL_SIZE - len(head))
 
     @property
+    def radius(self) -> float:
+        """Of what is a point, a segment or an arc and all that is so near to it; else 0."""
+        return self.own[-1] if self.kind in ("sphere", "capsule", "torcap") else 0.0
+
+    def is_kept_by(self, mirror_normal: Array) -> bool:
+        """Whether it is a half-space that stands across a mirror: its own image."""
+        return self.kind == "plane" and abs(float(mirror_normal @ self.own[: len(mirror_normal)])) < _ACROSS
+
+    @property
     def is_empty(self) -> bool:
         return self.kind == "empty"
 
 
+# How far from a right angle a half-space may be to a mirror, and be its own image: rounding.
+_ACROSS = 1e-9
 EMPTY = Kernel("empty", 0, (), None, lambda u: -np.inf, "empty")
 
 

@@ -128,9 +128,12 @@ def _map(level: int, matrix: Any) -> moebius.Map:
         raise ValueError(f"G of level {level}: {error}") from None
 
 
-def clipping_in_words(sequence: KernelSequence | MoebiusSequence) -> str | None:
-    """Which kernels reach beyond their mirrors, and by how much; None where none does."""
-    told = [f"{i} ({'without bound' if np.isinf(by) else f'by {by:.3g}'})" for i, by in sequence.clipped()]
+def clipping_in_words(sequence: KernelSequence | MoebiusSequence, *, lost: bool = False) -> str | None:
+    """Which kernels reach beyond their mirrors, and by how much; None where none does. lost: only those that
+    are less for it.
+    """
+    clipped = sequence.clipped(lost=lost)
+    told = [f"{i} ({'without bound' if np.isinf(by) else f'by {by:.3g}'})" for i, by in clipped]
     if not told:
         return None
     if len(told) > _MOST_TOLD:

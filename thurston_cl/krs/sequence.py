@@ -139,8 +139,12 @@ class Sequence(_Levels):
         distances = for_few_points(self.geometry).distance(np.array([center for center, _ in found]))
         return float(np.max(distances + np.array([radius for _, radius in found])))
 
-    def clipped(self) -> list[tuple[int, float]]:
-        """Kernels that reach beyond their own mirror, and by how much: what is there is clipped."""
+    def clipped(self, *, lost: bool = False) -> list[tuple[int, float]]:
+        """Kernels that reach beyond their own mirror, and by how much: what is there is clipped.
+
+        lost: only those of which the mirror takes something away. What is within a radius of a point,
+        segment or arc before the mirror loses nothing: where it reaches beyond, its image is, too.
+        """
         found = []
         for i, mirror in enumerate(self.mirrors):
             kernel = self.kernels[i]
@@ -150,7 +154,8 @@ class Sequence(_Levels):
                 beyond = kernel.reach(mirror.normal[:3]) + float(mirror.form[3] + mirror.form[4])
             else:
                 beyond = kernel.reach(mirror.form)
-            if beyond > TOUCHES:
+            spared = _SPARED * kernel.radius if lost else 0.0
+            if beyond - spared > TOUCHES and not (lost and kernel.is_kept_by(mirror.normal)):
                 found.append((i, beyond))
         return found
 
@@ -169,6 +174,9 @@ class Sequence(_Levels):
         return found
 
 
+# So much of a radius may reach beyond a mirror: what is lost then is no thicker than a thousandth of it, as
+# where a scene has rounded numbers.
+_SPARED = 1.001
 # Outside e3 instances are looked at one by one for the radius.
 _MOST_CURVED = 1 << 14
 
@@ -237,14 +245,13 @@ class MoebiusSequence(_Levels):
             levels.append(whole.mapped(map_.sphere_image))
         return levels
 
-    def clipped(self) -> list[tuple[int, float]]:
-        """Kernels that reach beyond their own mirror; here only K_0 stands in the same space as its
-        mirror.
-        """
+    def clipped(self, *, lost: bool = False) -> list[tuple[int, float]]:
+        """As of a `Sequence`; here only K_0 stands in the same space as its mirror."""
         if self.levels == 0 or self.kernels[0].is_empty:
             return []
         beyond = self.kernels[0].reach(np.array([1.0, 0.0, 0.0]))
-        return [(0, beyond)] if beyond > TOUCHES else []
+        spared = _SPARED * self.kernels[0].radius if lost else 0.0
+        return [(0, beyond)] if beyond - spared > TOUCHES else []
 
     def expand(self) -> list[tuple[int, moebius.Map]]:
         """All instances: the number of the kernel and the map that leads from it to its place."""

@@ -38,8 +38,24 @@ def _mirror_in_words(mirror: Mirror, geometry: str) -> str:
     elif geometry in PRODUCTS and mirror.form[3] != 0:
         words = f"horizontal mirror at height {-float(mirror.form[4] / mirror.form[3]):.4g}"
     else:
-        words = f"mirror with the normal {_vector(mirror.normal)}"
+        words = _plane_in_words(mirror.normal, geometry)
     return f"{words}, smooth within {mirror.width:.4g}" if mirror.width > 0 else words
+
+
+def _plane_in_words(normal: NDArray[np.float64], geometry: str) -> str:
+    """By the geodesic from the origin that a mirror stands across, as scenes write it."""
+    first = 2 if geometry in PRODUCTS else 3
+    along, back = normal[:first], float(normal[first])
+    size = float(np.linalg.norm(along))
+    if size < _AT_A_QUARTER_TURN:
+        return "mirror a quarter turn from the origin"
+    distance = math.asinh(back) if geometry in ("h3", "h2xe") else -math.atan2(back, size)
+    direction = along / size if geometry not in PRODUCTS else np.array([*along, 0.0]) / size
+    return f"mirror across {_vector(direction)} at {distance:.4g}"
+
+
+# Of a great sphere or circle that is as far from the origin everywhere: how far its normal may be off.
+_AT_A_QUARTER_TURN = 1e-5
 
 
 def _map_in_words(map_: Map) -> str:
@@ -50,4 +66,5 @@ def _map_in_words(map_: Map) -> str:
 
 
 def _vector(v: NDArray[np.float64]) -> str:
-    return "(" + ", ".join(f"{c:.4g}" for c in v) + ")"
+    # What is 0 up to rounding has no sign.
+    return "(" + ", ".join(f"{round(float(c), 9) + 0.0:.4g}" for c in v) + ")"

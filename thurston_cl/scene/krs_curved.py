@@ -24,10 +24,16 @@ def _not_negative(value: float) -> float:
 
 
 Doublings = Annotated[int, Ge(1), Le(30), BeforeValidator(whole_number), Says("whole number from 1 to 30")]
-Forks = Annotated[int, Ge(1), Le(12), BeforeValidator(whole_number), Says("whole number from 1 to 12")]
-Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole number from 0 to 8")]
+Forks = Annotated[int, Ge(1), Le(10), BeforeValidator(whole_number), Says("whole number from 1 to 10")]
+Few = Annotated[int, Ge(0), Le(6), BeforeValidator(whole_number), Says("whole number from 0 to 6")]
 Spread = Annotated[Angle, within(5, 60), Says("angle from 5 deg to 60 deg")]
 Width = Annotated[Number, AfterValidator(_not_negative), Says("number ≥ 0")]
+
+
+def _material(tint: str, description: str) -> Any:
+    """The field of a dull material of some color."""
+    default = Material(color=color(tint), ambient=0.3, diffuse=0.7, specular=0.0)
+    return Field(default=default, description=description, json_schema_extra={"default": "see there"})
 
 
 class HyperbolicForest(Recipe):
@@ -59,10 +65,10 @@ class HyperbolicForest(Recipe):
         "cell, whose sides are about 0.6 from the trunk, is smaller.",
     )
     forks: Forks = Field(
-        default=7, description="How often branches fork on the way from the trunk to a twig."
+        default=8, description="How often branches fork on the way from the trunk to a twig."
     )
     foliage: Few = Field(
-        default=3,
+        default=5,
         description="How often the leaves of a twig are doubled: it has 2^(foliage + 1) − 2 of them; 0 has "
         "none.",
     )
@@ -72,32 +78,20 @@ class HyperbolicForest(Recipe):
         json_schema_extra={"default": "27 deg"},
     )
     ratio: Ratio = Field(default=0.8, description="Length of a branch, in that of the one before it.")
-    thickness: Positive = Field(default=0.07, description="Diameter of the trunk.")
-    leaf_size: Positive = Field(default=0.05, alias="leaf-size", description="Diameter of a leaf, a ball.")
+    thickness: Positive = Field(default=0.075, description="Diameter of the trunk.")
+    leaf_size: Positive = Field(default=0.019, alias="leaf-size", description="Diameter of a leaf, a ball.")
     wall: Width = Field(
-        default=0.03,
+        default=0.018,
         description="Diameter of the walls between the cells, half above the ground; 0 has none.",
     )
     irregular: Weight = Field(
         default=0.8, description="How different the sides of a cell are; 0 is the regular pentagon."
     )
     seed: Seed = Field(default=0, description="Another number is another forest.")
-    bark: MaterialValue = Field(
-        default=Material(color=color("#6b4f3c"), specular=0.05, diffuse=0.85),
-        description="What branches are made of. Left out: brown.",
-    )
-    leaf: MaterialValue = Field(
-        default=Material(color=color("#4c8a2f"), specular=0.1, diffuse=0.8),
-        description="What leaves are made of. Left out: green.",
-    )
-    ground: MaterialValue = Field(
-        default=Material(color=color("#a9a272"), specular=0.0, diffuse=0.9),
-        description="What the plane is made of. Left out: dry grass.",
-    )
-    stone: MaterialValue = Field(
-        default=Material(color=color("#cfc7b8"), specular=0.05, diffuse=0.85),
-        description="What walls are made of. Left out: pale gray.",
-    )
+    bark: MaterialValue = _material("#7d5a42", "What branches are made of. Left out: brown.")
+    leaf: MaterialValue = _material("#86a838", "What leaves are made of. Left out: green.")
+    ground: MaterialValue = _material("#c9b273", "What the plane is made of. Left out: dry grass.")
+    stone: MaterialValue = _material("#f0e4d0", "What walls are made of. Left out: nearly white.")
 
     def check(self, context: Context) -> Iterator[Problem]:
         count = self.doublings + self.forks + self.foliage

@@ -28,7 +28,7 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
     """
     painted = painted_sequence(krs, writer.geometry)
     sequence, numbers = painted.sequence, writer.numbers
-    if krs.recipe is None and (told := clipping_in_words(sequence)):
+    if krs.recipe is None and (told := clipping_in_words(sequence, lost=True)):
         # Recipes mean what their mirrors clip.
         warnings.warn(f"sequence {len(writer.sequences) + 1}: {told}", stacklevel=2)
     writer.sequences.append(sequence)
