@@ -13,6 +13,7 @@ import json
 import statistics
 import tempfile
 import time
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,14 +24,20 @@ from numpy.typing import NDArray
 
 from thurston_cl import device as devices
 from thurston_cl.device import Device
+from thurston_cl.krs.model import Model
 from thurston_cl.krs.recipes.moebius_of import moebius_of
 from thurston_cl.krs.recipes.tree import tree
+from thurston_cl.program import LOCAL_SIZE
 from thurston_cl.rendering import TileRenderer, tiles
 from thurston_cl.scene import load_scene
 from thurston_cl.scene.plan import make_plan
 
 Array = NDArray[np.float64]
 Record = Mapping[str, Any]
+
+EVALUATIONS = ("KRS distance", "KRS free ball", "Moebius free ball", "Moebius bound")
+# Points of one measurement of an evaluation.
+EVALUATED = 1 << 19
 
 LEVELS = (4, 7, 10, 13, 16, 19, 22, 25, 28)
 SIZE, LARGE = (960, 600), (1920, 1200)
@@ -103,13 +110,8 @@ class Case:
         """Core-seconds of a run."""
         return statistics.median(self.seconds[1:])
 
-    @property
-    def each(self) -> float:
-        """Core-nanoseconds of one evaluation for sixteen rays."""
-        return 16e9 * self.median / self.evaluations
-
     def error(self, truth: "Case") -> float:
-        """Mean depth error relative to depth, over rays that hit in both."""
+        """Mean depth error relative to depth, over rays that hit in both; grazing ones count as they are."""
         both = np.isfinite(self.depth) & np.isfinite(truth.depth)
         return float(np.mean(np.abs(self.depth[both] - truth.depth[both]) / truth.depth[both]))
 
@@ -138,9 +140,54 @@ def case(
         file = Path(folder) / "scene.yaml"
         file.write_text(json.dumps(scene), encoding="utf-8")
         loaded = load_scene(file)
-    plan = make_plan(loaded, device=device)
+    with warnings.catch_warnings():
+        # Branches reach through the mirrors at their forks.
+        warnings.simplefilter("ignore")
+        plan = make_plan(loaded, device=device)
     lanes = device.info.lane_width(precision)
     return Case(name, levels, TileRenderer(plan, device, precision, lanes, "refill"), size)
+
+
+def evaluation(device: Device, record: Record, name: str, repeat: int) -> float:
+    """Core-nanoseconds of one evaluation at sixteen points; `name`: "distance" or "unbounding"."""
+    import pyopencl as cl
+
+    with warnings.catch_warnings():
+        # Branches reach through the mirrors at their forks.
+        warnings.simplefilter("ignore")
+        model = Model.from_dict(record, precision="single", device=device)
+    points = np.random.default_rng(0).normal(size=(5, EVALUATED)).astype(np.float32) * 4
+    points[3:] = [[1.0], [0.05]]
+    flags = cl.mem_flags
+    source = cl.Buffer(device.context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=points)
+    target = cl.Buffer(device.context, flags.WRITE_ONLY, points[0].nbytes)
+    numbers = np.array(model.sequence.numbers, np.float32)
+    constants = cl.Buffer(device.context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=numbers)
+    kernel = cl.Kernel(model.program.built, f"{model.sequence.name}_over_{name}")
+    kernel.set_args(source, target, np.int32(EVALUATED), constants)
+    seconds = []
+    for _ in range(2 * repeat + 1):
+        before = time.process_time()
+        items = (EVALUATED // model.lanes,)
+        cl.enqueue_nd_range_kernel(device.queue, kernel, items, (LOCAL_SIZE,)).wait()
+        seconds.append(time.process_time() - before)
+    return 16e9 * statistics.median(seconds[1:]) / EVALUATED
+
+
+def evaluations(device: Device, levels: Sequence[int], repeat: int) -> dict[str, list[float]]:
+    """Time of one evaluation by levels: a tree of so many forks, plain and distorted."""
+    found: dict[str, list[float]] = {name: [] for name in EVALUATIONS}
+    for n in levels:
+        plain = tree(levels=n + 1, leaves=0, seed=1)
+        distorted = moebius_of(plain, strength=DISTORTION)
+        for name, record, asked in (
+            ("KRS distance", plain, "distance"),
+            ("KRS free ball", plain, "unbounding"),
+            ("Moebius free ball", distorted, "unbounding"),
+            ("Moebius bound", distorted, "distance"),
+        ):
+            found[name].append(evaluation(device, record, asked, repeat))
+    return found
 
 
 def run_in_turn(cases: Sequence[Case], repeat: int) -> None:
@@ -195,7 +242,7 @@ def at_equal_error(binary: Sequence[tuple[float, float]], error: float) -> float
 def figure_12(device: Device, repeat: int, levels: Sequence[int]) -> dict[str, dict[str, list[float]]]:
     """Print the table of figure 12; returns core-seconds and core-nanoseconds an evaluation by case."""
     table: dict[str, dict[str, list[float]]] = {
-        name: {"seconds": [], "each": [], "evaluations": []} for name in FIGURE_12
+        name: {"seconds": [], "evaluations": []} for name in FIGURE_12
     }
     print(f"\nfigure 12: {SIZE[0]} x {SIZE[1]}, first rays only; core-ms a picture (evaluations a ray)")
     print(f"  {'levels':>6} " + "".join(f"{name:>24}" for name in FIGURE_12))
@@ -207,7 +254,6 @@ def figure_12(device: Device, repeat: int, levels: Sequence[int]) -> dict[str, d
         for name in FIGURE_12:
             each = cases[name]
             table[name]["seconds"].append(each.median)
-            table[name]["each"].append(each.each)
             table[name]["evaluations"].append(each.evaluations / (SIZE[0] * SIZE[1]))
             cells.append(f"{1e3 * each.median:9.1f} ({each.evaluations / (SIZE[0] * SIZE[1]):6.1f})")
         print(f"  {n:>6} " + "".join(f"{cell:>24}" for cell in cells))
@@ -226,17 +272,10 @@ def figure_12(device: Device, repeat: int, levels: Sequence[int]) -> dict[str, d
         measured = [cases[name] for name in cases if name.startswith("Moebius binary")]
         pairs = [(each.error(truth), each.median) for each in measured]
         equal.append((n, error, conformal.median / at_equal_error(pairs, error)))
-    print(
-        "\nlines through these; R^2 of core-ns for one evaluation of sixteen rays, and of core-ms a picture"
-    )
+    print("\nlines through these")
     for name in FIGURE_12:
-        slope, offset, r2 = line(levels, table[name]["each"])
-        _, _, r2_picture = line(levels, table[name]["seconds"])
-        print(
-            f"  {name:20} {slope:6.2f} ns a level, {offset:6.1f} ns besides, R^2 {r2:.4f}; picture"
-            f" R^2 {r2_picture:.3f}"
-        )
-    print("  target: R^2 of an evaluation at least 0.99")
+        slope, offset, r2 = line(levels, table[name]["seconds"])
+        print(f"  {name:20} {1e3 * slope:6.2f} ms a level, {1e3 * offset:6.1f} ms besides, R^2 {r2:.3f}")
     print("\nMoebius sequences at the same mean depth error: conformal over binary")
     for n, error, ratio in equal:
         print(f"  {n:>6} levels: error {error:.1e}, time {ratio:5.2f}")
@@ -265,7 +304,26 @@ def large(device: Device, repeat: int) -> None:
     print("  target: at most 3 core-s")
 
 
-def plot(table: Mapping[str, Mapping[str, Sequence[float]]], levels: Sequence[int], file: Path) -> None:
+def each_evaluation(device: Device, repeat: int, levels: Sequence[int]) -> dict[str, list[float]]:
+    """Print the time of one evaluation, and the lines through it."""
+    found = evaluations(device, levels, repeat)
+    print("\none evaluation for sixteen rays, core-ns, by levels " + ", ".join(map(str, levels)))
+    for name, values in found.items():
+        slope, offset, r2 = line(levels, values)
+        print(
+            f"  {name:20} {', '.join(f'{value:.0f}' for value in values)}: {slope:.2f} a level, "
+            f"{offset:.1f} besides, R^2 {r2:.4f}"
+        )
+    print("  target: R^2 at least 0.99")
+    return found
+
+
+def plot(
+    each: Mapping[str, Sequence[float]],
+    table: Mapping[str, Mapping[str, Sequence[float]]],
+    levels: Sequence[int],
+    file: Path,
+) -> None:
     """Save figure 12 again: time of a picture and of an evaluation against levels."""
     import matplotlib
 
@@ -275,12 +333,14 @@ def plot(table: Mapping[str, Mapping[str, Sequence[float]]], levels: Sequence[in
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4.5), layout="constrained")
     for name in FIGURE_12:
         left.plot(levels, 1e3 * np.array(table[name]["seconds"]), "o-", label=name, markersize=4)
-        right.plot(levels, table[name]["each"], "o-", label=name, markersize=4)
     left.set(title="a picture, 960 x 600", xlabel="levels", ylabel="core-milliseconds", ylim=(0, None))
     right.set(
         title="one evaluation of sixteen rays", xlabel="levels", ylabel="core-nanoseconds", ylim=(0, None)
     )
+    for name in EVALUATIONS:
+        right.plot(levels, each[name], "o-", label=name, markersize=4)
     left.legend(frameon=False)
+    right.legend(frameon=False)
     figure.savefig(file, dpi=120)
     pyplot.close(figure)
     print(f"\nwrote {file}")
@@ -288,9 +348,11 @@ def plot(table: Mapping[str, Mapping[str, Sequence[float]]], levels: Sequence[in
 
 def krs(device: Device, repeat: int, file: Path, levels: Sequence[int] = LEVELS) -> None:
     """All of it."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    each = each_evaluation(device, repeat, levels)
     table = figure_12(device, repeat, levels)
     large(device, repeat)
-    plot(table, levels, file)
+    plot(each, table, levels, file)
 
 
 def main() -> None:
@@ -300,7 +362,6 @@ def main() -> None:
     parser.add_argument("--levels", default=",".join(map(str, LEVELS)), help="which levels")
     parser.add_argument("--plot", type=Path, default=Path("build/krs-levels.png"), help="where the plot goes")
     arguments = parser.parse_args()
-    arguments.plot.parent.mkdir(parents=True, exist_ok=True)
     levels = [int(level) for level in arguments.levels.split(",")]
     krs(devices.choose(arguments.device), arguments.repeat, arguments.plot, levels)
 

@@ -1289,7 +1289,7 @@ MISTAKES = {
         "geometry: nil\nobjects: [union: [{ball: {radius: 1}}, {slab: {normal: [0, 0, 1], thickness: 1}}]]\n"
         "render: {tracer: relaxed}\n",
         "3:10",
-        "tracer: relaxed needs distances all around; those of level planes and empty zones hold along rays",
+        "tracer: relaxed needs distances all around; of level planes and empty zones they hold along rays",
         "leave it out, or write 'tracer: direct'",
         schema=False,
     ),

@@ -39,7 +39,7 @@ class ArrayProgram:
         if lanes is not None and lanes not in LANE_WIDTHS:
             raise ValueError(f"{lanes} lanes; expected one of: {', '.join(map(str, LANE_WIDTHS))}")
         width = lanes or self.device.info.lane_width(precision)
-        self._built, self.lanes = build_widest(self.device, source, precision, width)
+        self.built, self.lanes = build_widest(self.device, source, precision, width)
 
     @property
     def dtype(self) -> type[np.floating]:
@@ -78,7 +78,7 @@ class ArrayProgram:
         source = cl.Buffer(self.device.context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=data)
         result = np.empty((outputs, stride), self.dtype)
         target = cl.Buffer(self.device.context, flags.WRITE_ONLY, result.nbytes)
-        kernel = cl.Kernel(self._built, name)
+        kernel = cl.Kernel(self.built, name)
         tables = [] if numbers is None else [self._constant(numbers)]
         kernel.set_args(source, target, np.int32(stride), *tables, *(np.int32(c) for c in constants))
         cl.enqueue_nd_range_kernel(self.device.queue, kernel, (stride // self.lanes,), (LOCAL_SIZE,))
