@@ -77,6 +77,11 @@ class Map:
         return self.numbers[0] > 0
 
     @property
+    def pole(self) -> Array:
+        """The point (3,) that goes to infinity, where there is one."""
+        return np.array(self.numbers[1:4])
+
+    @property
     def inverse(self) -> "Map":
         """The inverse, up to a real factor: of conjugates only."""
         (a, b), (c, d) = self.matrix

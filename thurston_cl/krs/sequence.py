@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 MOST_LEVELS = 40
 # A ball that holds a level pays at every third (measured: krs.md 8).
 LEVELS_BETWEEN_BALLS = 3
+# A pole is far from a ball, or beyond a mirror, by so many sizes of that: then rays have room there.
+POLE_ROOM = 0.2
 # What reaches beyond its mirror by less than this touches it: rounding.
 TOUCHES = 1e-9
 
@@ -211,12 +213,10 @@ class MoebiusSequence(_Levels):
         none = [0.0, 0.0, 0.0, -1.0]
 
         def held(level: int) -> list[float]:
-            """The ball that holds a level, where it has one: next to the pole of its map nothing else tells
-            that all of it is far.
-            """
-            useful = (self.levels - level) % LEVELS_BETWEEN_BALLS == 0
-            useful |= level > 0 and self.maps[level - 1].has_pole
-            if not (level_balls and useful and len(self._balls[level].radii)):
+            """The ball that holds a level, where it pays or is needed."""
+            if not (level_balls and len(self._balls[level].radii)):
+                return none
+            if not (self._has_usual_ball(level) or self._needs_ball(level)):
                 return none
             center, radius = self._balls[level].enclosing()
             return [*center, radius]
@@ -225,6 +225,29 @@ class MoebiusSequence(_Levels):
         for i in range(self.levels - 1, -1, -1):
             numbers += [*self.maps[i].inverse.numbers, self.widths[i], *held(i), *self.kernels[i + 1].numbers]
         return numbers + self.kernels[0].numbers
+
+    def _has_usual_ball(self, level: int) -> bool:
+        return (self.levels - level) % LEVELS_BETWEEN_BALLS == 0
+
+    def _needs_ball(self, level: int) -> bool:
+        """Whether a ray that comes to the pole of the map inside a level would find no room there: next to it
+        only a ball that holds the level, or one further out, tells that all of it is far.
+        """
+        if level == 0 or not self.maps[level - 1].inverse.has_pole:
+            return False
+        # Where the pole is seen from further out, as far as the next ball there.
+        seen = np.array([self.maps[level - 1].inverse.pole])
+        while True:
+            if level < self.levels:
+                # What is beyond the mirror is never come to.
+                seen = seen[seen[:, 0] <= POLE_ROOM * np.linalg.norm(seen, axis=1)]
+            if len(seen) == 0:
+                return False
+            if self._has_usual_ball(level):
+                center, radius = self._balls[level].enclosing()
+                return bool(np.any(np.linalg.norm(seen - center, axis=1) < (1 + POLE_ROOM) * radius))
+            seen = self.maps[level].apply(np.concatenate([seen, seen * [-1.0, 1.0, 1.0]]))
+            level += 1
 
     @property
     def radius(self) -> float:

@@ -62,7 +62,9 @@ def _tracer(scene: "Scene") -> Iterator[Problem]:
         yield Problem(place, f"tracer: {name} needs the whole space, and this is a manifold", cure, True)
         return
     if name == "relaxed" and any(_is_directed(solid, geometry) for solid in scene.objects):
-        message = "tracer: relaxed needs distances all around; of level planes and empty zones they hold along rays"
+        message = (
+            "tracer: relaxed needs distances all around; of level planes and empty zones they hold along rays"
+        )
         yield Problem(place, message, cure, True)
     if name == "compound" and geometry not in (*ISOTROPIC, *PRODUCTS):
         message = f"tracer: compound flows along any length at once, which in {geometry} is costly"
