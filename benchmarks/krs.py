@@ -333,12 +333,12 @@ def plot(
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4.5), layout="constrained")
     for name in FIGURE_12:
         left.plot(levels, 1e3 * np.array(table[name]["seconds"]), "o-", label=name, markersize=4)
+    for name in EVALUATIONS:
+        right.plot(levels, each[name], "o-", label=name, markersize=4)
     left.set(title="a picture, 960 x 600", xlabel="levels", ylabel="core-milliseconds", ylim=(0, None))
     right.set(
         title="one evaluation of sixteen rays", xlabel="levels", ylabel="core-nanoseconds", ylim=(0, None)
     )
-    for name in EVALUATIONS:
-        right.plot(levels, each[name], "o-", label=name, markersize=4)
     left.legend(frameon=False)
     right.legend(frameon=False)
     figure.savefig(file, dpi=120)
