@@ -1401,6 +1401,16 @@ MISTAKES = {
         "leave it out",
         schema=False,
     ),
+    "coral bent out of shape": Mistake(
+        "geometry: e3\nobjects:\n  - krs: {coral: {bend: 1}}\n",
+        "3:25",
+        "bend must be at most 0.6; this is 1",
+    ),
+    "palm leaf that is all tip": Mistake(
+        "geometry: e3\nobjects:\n  - krs: {palm-leaf: {taper: 5}}\n",
+        "3:30",
+        "taper must be at most 4; this is 5",
+    ),
     "heat map in an exr": Mistake(
         f"{E3}outputs: [{{file: x.exr, shows: steps}}]\n",
         "3:25",
