@@ -81,6 +81,9 @@ def _output_words(output: Output) -> str:
     """The file of an output, and what of the picture it holds or how it shows it."""
     if output.file.lower().endswith(".exr"):
         return f"{output.file}: {', '.join(output.channels)}"
+    if output.shows != "beauty":
+        black = "the largest that occurs" if output.most is None else f"{output.most:g}"
+        return f"{output.file}: heat map of {output.shows}, black at {black}"
     return f"{output.file}: view {output.view}, exposure {output.exposure:+g}"
 
 

@@ -39,8 +39,27 @@ if TYPE_CHECKING:
 # The formats, channels and views of image.py, written out: --help must not wait for OpenImageIO.
 SUFFIXES = (".exr", ".png")
 CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
+HEAT_CHANNELS = ("depth", "steps")
 VIEWS = ("none", "filmic", "aces")
 EXPOSURE_LIMIT = 32.0
+
+
+@dataclass(frozen=True)
+class _Film:
+    """How a PNG shows a picture: as light, or as a heat map of another channel."""
+
+    shows: str = "beauty"
+    exposure: float = 0.0
+    view: str = "none"
+    most: float | None = None
+
+    def words(self, image: Image) -> dict[str, Any]:
+        """What it is, for --json; `most` as it is where it was left out."""
+        from thurston_cl.image import largest
+
+        if self.shows == "beauty":
+            return {"exposure": self.exposure, "view": self.view}
+        return {"most": largest(image.channels[self.shows]) if self.most is None else self.most}
 
 
 @dataclass(frozen=True)
@@ -49,8 +68,7 @@ class _Target:
 
     file: str
     channels: tuple[str, ...] | None
-    exposure: float = 0.0
-    view: str = "none"
+    film: _Film = _Film()
 
 
 def _split_channels(ctx: click.Context, param: click.Parameter, text: str | None) -> tuple[str, ...] | None:
@@ -77,6 +95,12 @@ def _check_exposure(ctx: click.Context, param: click.Parameter, stops: float | N
     return stops
 
 
+def _check_most(ctx: click.Context, param: click.Parameter, most: float | None) -> float | None:
+    if most is not None and not 0 < most < math.inf:
+        raise click.BadParameter(f"{most:g} is not a finite number over 0")
+    return most
+
+
 @click.command(cls=GroupedCommand)
 @scene_options
 @click.option(
@@ -98,6 +122,23 @@ def _check_exposure(ctx: click.Context, param: click.Parameter, stops: float | N
     cls=Option,
     group=OUTPUT,
     help=f"What the .exr of -o holds. [default: all: {','.join(CHANNELS)}]",
+)
+@click.option(
+    "--shows",
+    type=click.Choice(("beauty", *HEAT_CHANNELS)),
+    cls=Option,
+    group=OUTPUT,
+    help="What the .png of -o shows: the picture, or a heat map of a ray's length or its number of steps, "
+    "from white for 0 to black. [default: beauty]",
+)
+@click.option(
+    "--most",
+    type=float,
+    metavar="NUMBER",
+    callback=_check_most,
+    cls=Option,
+    group=OUTPUT,
+    help="What is black in the heat map of --shows. [default: the largest that occurs]",
 )
 @click.option(
     "--exposure",
@@ -168,6 +209,8 @@ def command(
     sets: tuple[str, ...],
     files: tuple[str, ...],
     channels: tuple[str, ...] | None,
+    shows: str | None,
+    most: float | None,
     exposure: float | None,
     view: str | None,
     force: bool,
@@ -196,7 +239,7 @@ def command(
     from thurston_cl.scene import load_scene
 
     loaded = load_scene(scene, defines=defines, sets=sets)
-    targets = _targets(loaded, files, channels, exposure, view)
+    targets = _targets(loaded, files, channels, _film(files, shows, most, exposure, view))
     for target in targets:
         check_output(target.file, target.channels, force)
     _check_size(loaded, size)
@@ -222,26 +265,39 @@ def command(
                 progress=progress,
             )
         for target in targets:
-            image.save(target.file, target.channels, force, target.exposure, target.view)
+            film = target.film
+            image.save(target.file, target.channels, force, film.exposure, film.view, film.most)
             written.append(target.file)
     except KeyboardInterrupt:
         raise Interrupted(f"only {', '.join(written)} written" if written else "nothing written") from None
     _report(image, targets, time.perf_counter() - start, noted, as_json=as_json, quiet=quiet)
 
 
+def _film(
+    files: Sequence[str], shows: str | None, most: float | None, exposure: float | None, view: str | None
+) -> _Film:
+    """How the .png of `-o` show the picture."""
+    of_light = {"--exposure": exposure, "--view": view}
+    for option, value in {"--shows": shows, "--most": most, **of_light}.items():
+        if value is not None and not any(_is_png(file) for file in files):
+            raise click.UsageError(f"{option} says how a .png shows the picture: name one with -o FILE.png")
+    if shows in HEAT_CHANNELS:
+        for option, value in of_light.items():
+            if value is not None:
+                raise click.UsageError(
+                    f"{option} is for light, and --shows {shows} for a heat map: leave out one"
+                )
+    elif most is not None:
+        raise click.UsageError("--most says what is black in a heat map: add --shows steps or --shows depth")
+    return _Film(shows or "beauty", exposure or 0.0, view or "none", most)
+
+
 def _targets(
-    scene: Scene,
-    files: Sequence[str],
-    channels: tuple[str, ...] | None,
-    exposure: float | None,
-    view: str | None,
+    scene: Scene, files: Sequence[str], channels: tuple[str, ...] | None, film: _Film
 ) -> list[_Target]:
     """What to write: the files of `-o`, else those of the scene."""
     if channels is not None and all(_is_png(file) for file in files):
         raise click.UsageError("--channels says what an .exr holds: name one with -o FILE.exr")
-    for option, value in (("--exposure", exposure), ("--view", view)):
-        if value is not None and not any(_is_png(file) for file in files):
-            raise click.UsageError(f"{option} says how a .png shows the picture: name one with -o FILE.png")
     if not files and not scene.outputs:
         raise click.UsageError("where to? Give -o FILE.png or -o FILE.exr, or 'outputs' in the scene")
     real = [os.path.realpath(file) for file in files]
@@ -249,9 +305,19 @@ def _targets(
         if path in real[:index]:
             raise click.UsageError(f"-o {files[index]} is given twice")
     if not files:
-        return [_Target(o.file, o.channels, float(o.exposure), o.view) for o in scene.outputs]
-    png = (("beauty",), exposure or 0.0, view or "none")
-    return [_Target(file, *png) if _is_png(file) else _Target(file, channels) for file in files]
+        return [
+            _Target(
+                o.file,
+                (o.shows,),
+                _Film(o.shows, float(o.exposure), o.view, None if o.most is None else float(o.most)),
+            )
+            if _is_png(o.file)
+            else _Target(o.file, o.channels)
+            for o in scene.outputs
+        ]
+    return [
+        _Target(file, (film.shows,), film) if _is_png(file) else _Target(file, channels) for file in files
+    ]
 
 
 def _wanted(targets: Sequence[_Target]) -> tuple[str, ...]:
@@ -336,7 +402,7 @@ def _report(
     if as_json:
         outputs = [
             {"file": target.file, "channels": target.channels or tuple(image.channels)}
-            | ({"exposure": target.exposure, "view": target.view} if _is_png(target.file) else {})
+            | (target.film.words(image) if _is_png(target.file) else {})
             for target in targets
         ]
         answer = {**statistics, "total_seconds": seconds, "outputs": outputs, "warnings": noted}

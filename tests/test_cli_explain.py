@@ -99,12 +99,15 @@ def test_a_rich_scene_names_what_it_calls_for(explain: Callable[..., Result]) ->
 
 def test_outputs_are_shown_with_their_film(explain: Callable[..., Result]) -> None:
     assert rows(explain("plain.yaml"))["outputs"] == "none: the command line names them"
-    outputs = "outputs=[{file: a.png, view: filmic, exposure: 1.5}, {file: b.png}, {file: c.exr}]"
+    outputs = "outputs=[{file: a.png, view: filmic, exposure: 1.5}, {file: b.png}, {file: c.exr}, "
+    outputs += "{file: d.png, shows: steps, most: 70}, {file: e.png, shows: depth}]"
     answer = json.loads(explain("plain.yaml", "--json", "--set", outputs).stdout)
     assert answer["explanation"]["outputs"].split("\n") == [
         "a.png: view filmic, exposure +1.5",
         "b.png: view none, exposure +0",
         "c.exr: beauty",
+        "d.png: heat map of steps, black at 70",
+        "e.png: heat map of depth, black at the largest that occurs",
     ]
 
 

@@ -365,6 +365,7 @@ def test_the_lists_of_the_command_line_are_those_of_the_image_module() -> None:
     from thurston_cl import image
 
     assert cli_render.CHANNELS == image.CHANNELS
+    assert cli_render.HEAT_CHANNELS == image.HEAT_CHANNELS
     assert cli_render.SUFFIXES == image.SUFFIXES
     assert cli_render.VIEWS == image.VIEWS
     assert cli_render.EXPOSURE_LIMIT == image.EXPOSURE_LIMIT
@@ -406,6 +407,36 @@ def test_film_of_the_command_line_is_for_png(
     assert read_image("c.png").metadata["exposure"] == "0.0"
 
 
+def test_heat_maps_of_the_scene(
+    thurston: Callable[..., Result], renderer: FakeRenderer, tmp_path: Path
+) -> None:
+    (tmp_path / "scene.yaml").write_text(
+        SCENE + "outputs: [{file: a.png, shows: steps, most: 2}, {file: b.png, shows: depth}]\n"
+    )
+    result = thurston("scene.yaml", "--json")
+    assert result.exit_code == 0, result.output
+    # Only what is shown is worked out.
+    assert renderer.calls[0]["channels"] == ("depth", "steps")
+    assert shown("a.png") == {(191, 191, 191)}
+    assert shown("b.png") == {(0, 0, 0)}
+    assert json.loads(result.stdout)["outputs"] == [
+        {"file": "a.png", "channels": ["steps"], "most": 2.0},
+        {"file": "b.png", "channels": ["depth"], "most": 0.5},
+    ]
+
+
+def test_heat_maps_of_the_command_line(
+    thurston: Callable[..., Result], renderer: FakeRenderer, tmp_path: Path
+) -> None:
+    files = ("-o", "a.exr", "-o", "a.png")
+    result = thurston("scene.yaml", *files, "--channels", "depth", "--shows", "steps", "--most", "2")
+    assert result.exit_code == 0, result.output
+    assert renderer.calls[0]["channels"] == ("depth", "steps")
+    assert list(read_image("a.exr").channels) == ["depth"]
+    assert shown("a.png") == {(191, 191, 191)}
+    assert read_image("a.png").metadata == {"scene": "text", "shows": "steps", "most": "2.0"}
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -415,6 +446,18 @@ def test_film_of_the_command_line_is_for_png(
         (["-o", "a.png", "--view", "agx"], "'agx' is not one of 'none', 'filmic', 'aces'"),
         (["-o", "a.png", "--exposure", "40"], "40 is not from -32 to 32 stops"),
         (["-o", "a.png", "--exposure", "nan"], "nan is not from -32 to 32 stops"),
+        (["-o", "a.exr", "--shows", "steps"], "--shows says how a .png shows the picture"),
+        (["-o", "a.exr", "--most", "70"], "--most says how a .png shows the picture"),
+        (["-o", "a.png", "--shows", "normal"], "'normal' is not one of 'beauty', 'depth', 'steps'"),
+        (["-o", "a.png", "--most", "70"], "add --shows steps or --shows depth"),
+        (["-o", "a.png", "--shows", "beauty", "--most", "70"], "add --shows steps or --shows depth"),
+        (["-o", "a.png", "--shows", "steps", "--most", "0"], "0 is not a finite number over 0"),
+        (["-o", "a.png", "--shows", "steps", "--most", "nan"], "nan is not a finite number over 0"),
+        (["-o", "a.png", "--shows", "steps", "--view", "aces"], "--view is for light, and --shows steps for"),
+        (
+            ["-o", "a.png", "--shows", "depth", "--exposure", "1"],
+            "--exposure is for light, and --shows depth",
+        ),
     ],
 )
 def test_film_that_cannot_be(
@@ -514,6 +557,18 @@ def test_the_picture_shows_the_ball(ball: Path) -> None:
     # Seen from 2 away, a ball of radius 0.7 fills a cone of asin(0.35); the picture is 80 degrees high.
     radius = np.tan(np.arcsin(0.35)) / np.tan(np.radians(40)) * 20
     assert picture["object"].sum() == pytest.approx(np.pi * radius**2, rel=0.05)
+
+
+def test_a_heat_map_shows_the_steps_that_the_numbers_tell(ball: Path) -> None:
+    steps = read_image(ball / "ball.exr").channels["steps"]
+    assert np.unique(steps).size > 5
+    options = ("-D", "r=0.7", "--shows", "steps", "--json")
+    result = run(ball, "ball.yaml", "-o", "steps.png", *options)
+    assert result.returncode == 0, result.stderr
+    found = to_srgb(read_image(ball / "steps.png").channels["beauty"])[..., 0]
+    most = json.loads(result.stdout)["outputs"][0]["most"]
+    assert most == steps.max()
+    np.testing.assert_array_equal(found, np.rint(255 - 255 * steps / most))
 
 
 def test_statistics_fit_the_picture(ball: Path) -> None:

@@ -147,6 +147,59 @@ def test_a_notebook_shows_the_beauty(tmp_path: Path) -> None:
     assert Image({"depth": np.ones((2, 2), np.float32)})._repr_png_() is None
 
 
+# --- heat maps
+
+NUMBERS = np.float32([[0, 1, 14, 35], [69, 70, 71, 1e9], [np.inf, np.nan, 7, 62]])
+
+
+def test_a_heat_map_is_white_for_0_and_black_for_most() -> None:
+    np.testing.assert_array_equal(
+        image.heat_map(NUMBERS, 70),
+        # 255 (1 - n/70), rounded; nothing is known of NaN.
+        [[255, 251, 204, 128], [4, 0, 0, 0], [0, 0, 230, 29]],
+    )
+
+
+@pytest.mark.parametrize(
+    ("numbers", "most", "shades"),
+    [
+        ([[0, 4, 1]], 4, [[255, 0, 191]]),
+        ([[0, 4, np.inf]], 4, [[255, 0, 0]]),
+        ([[np.nan, 0, 0.25]], 0.25, [[0, 255, 0]]),
+        ([[0, 0, 0]], 1, [[255, 255, 255]]),
+        ([[np.inf, np.inf]], 1, [[0, 0]]),
+    ],
+)
+def test_a_heat_map_goes_up_to_the_largest_that_occurs(
+    numbers: list[list[float]], most: float, shades: list[list[int]]
+) -> None:
+    values = np.float32(numbers)
+    assert image.largest(values) == most
+    assert image.heat_map(values).tolist() == shades
+
+
+@pytest.mark.parametrize("most", [0, -1, np.inf, np.nan])
+def test_a_heat_map_needs_a_number_that_is_black(most: float) -> None:
+    with pytest.raises(ValueError, match="expected a finite number over 0"):
+        image.heat_map(NUMBERS, most)
+
+
+def test_a_heat_map_is_of_single_numbers() -> None:
+    with pytest.raises(ValueError, match=r"shape \(2, 2, 3\), expected \(H, W\)"):
+        image.heat_map(np.zeros((2, 2, 3)))
+
+
+@pytest.mark.parametrize(("most", "told"), [(70, "70.0"), (None, "1000000000.0")])
+def test_a_heat_map_in_a_file(tmp_path: Path, most: float | None, told: str) -> None:
+    picture = Image({"steps": NUMBERS}, METADATA)
+    picture.save(tmp_path / "a.png", ["steps"], most=most)
+    got = read_image(tmp_path / "a.png")
+    assert got.metadata == METADATA | {"shows": "steps", "most": told}
+    shades = to_srgb(got.channels["beauty"])
+    assert np.ptp(shades, axis=2).max() == 0
+    np.testing.assert_array_equal(shades[..., 0], image.heat_map(NUMBERS, most))
+
+
 # --- what must not be written, and what must not be left
 
 
@@ -160,7 +213,11 @@ def test_a_notebook_shows_the_beauty(tmp_path: Path) -> None:
         ("old.png", {}, "exists; use --force"),
         ("folder.exr", {"force": True}, "exists and is not a file"),
         ("pipe.png", {"force": True}, "exists and is not a file"),
-        ("a.png", {"channels": ["beauty", "depth"]}, "PNG holds beauty alone"),
+        ("a.png", {"channels": ["beauty", "depth"]}, "PNG shows beauty, depth or steps, one of them"),
+        ("a.png", {"channels": ["normal"]}, "one of them; write normal to an EXR"),
+        ("a.png", {"channels": ["steps"], "view": "filmic"}, "a heat map is no light; leave exposure"),
+        ("a.png", {"most": 3.0}, "most is for a heat map"),
+        ("a.exr", {"channels": ["steps"], "most": 3.0}, "most is for a heat map"),
         ("a.exr", {"channels": ["beauty", "depht"]}, "unknown channels depht; there are beauty"),
         ("a.exr", {"channels": []}, "no channels are named"),
         ("a" * 300 + ".exr", {}, "File name too long"),

@@ -257,7 +257,7 @@ def test_palm_leaf(seed: int, doublings: int) -> None:
         assert keeps_space(matrix) < 1e-12
     # The last map and all that double a row but the first bend: they have poles.
     poles = [map_.numbers[0] for map_ in maps_of(record)]
-    assert poles == [0.0] * (doublings > 1) + [1.0] * (doublings - (doublings > 1)) + [0.0, 1.0]
+    assert poles == [0.0] + [1.0] * (doublings - 1) + [0.0, 1.0]
     found = leaflets(record)
     assert len(found) == 2 ** (doublings + 1)
     lengths = np.sort(np.linalg.norm(found[:, 2] - found[:, 0], axis=1))
@@ -288,6 +288,18 @@ def test_palm_leaf_is_as_long_as_it_says(taper: float) -> None:
     (foot,) = maps_of(record)[-1].apply([record["kernels"][-1]["a"]])
     assert foot[0] < 0
     assert np.linalg.norm(foot) == pytest.approx(1.5, rel=0.1)
+
+
+@pytest.mark.parametrize(("taper", "doublings"), [(0.3, 5), (2.2, 6)])
+def test_the_stalk_of_a_palm_leaf_is_as_thick_as_its_midrib(taper: float, doublings: int) -> None:
+    model = Model.from_dict(palm_leaf(taper=taper, doublings=doublings))
+    heights = np.linspace(0, 0.02, 2001)
+    thick = []
+    for x in (-1e-3, 1e-3):
+        above = np.column_stack([np.full_like(heights, x), np.zeros_like(heights), heights])
+        thick.append(heights[model.distance(above) < 0].max())
+    assert thick[0] > 1e-3
+    assert thick[1] == pytest.approx(thick[0], rel=0.03)
 
 
 def test_what_is_not_bent_is_the_same() -> None:

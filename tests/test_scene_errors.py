@@ -1401,6 +1401,62 @@ MISTAKES = {
         "leave it out",
         schema=False,
     ),
+    "coral bent out of shape": Mistake(
+        "geometry: e3\nobjects:\n  - krs: {coral: {bend: 1}}\n",
+        "3:25",
+        "bend must be at most 0.6; this is 1",
+    ),
+    "palm leaf that is all tip": Mistake(
+        "geometry: e3\nobjects:\n  - krs: {palm-leaf: {taper: 5}}\n",
+        "3:30",
+        "taper must be at most 4; this is 5",
+    ),
+    "heat map in an exr": Mistake(
+        f"{E3}outputs: [{{file: x.exr, shows: steps}}]\n",
+        "3:25",
+        "an .exr keeps numbers and makes no heat map of them",
+        "name what it holds in 'channels'",
+        schema=False,
+    ),
+    "black in an exr": Mistake(
+        f"{E3}outputs: [{{file: x.exr, most: 70}}]\n",
+        "3:25",
+        "an .exr keeps numbers and makes no heat map of them",
+        "leave it out",
+        schema=False,
+    ),
+    "heat map of an unknown channel": Mistake(
+        f"{E3}outputs: [{{file: x.png, shows: step}}]\n",
+        "3:32",
+        "'step' is not one of: beauty, depth, steps",
+        "did you mean 'steps'?",
+    ),
+    "black without a heat map": Mistake(
+        f"{E3}outputs: [{{file: x.png, most: 70}}]\n",
+        "3:25",
+        "most says what is black in a heat map, and this is the picture",
+        "add 'shows: steps' or 'shows: depth'",
+        schema=False,
+    ),
+    "black is 0": Mistake(
+        f"{E3}outputs: [{{file: x.png, shows: steps, most: 0}}]\n",
+        "3:45",
+        "most must be greater than 0; this is 0",
+    ),
+    "exposed heat map": Mistake(
+        f"{E3}outputs: [{{file: x.png, shows: steps, exposure: 1}}]\n",
+        "3:39",
+        "a heat map of steps is no light and takes no exposure",
+        "leave it out",
+        schema=False,
+    ),
+    "heat map as a film shows it": Mistake(
+        f"{E3}outputs: [{{file: x.png, shows: depth, view: aces}}]\n",
+        "3:39",
+        "a heat map of depth is no light and takes no view",
+        "leave it out",
+        schema=False,
+    ),
     "exposure of a sun": Mistake(
         f"{E3}outputs: [{{file: x.png, exposure: 33}}]\n", "3:35", "exposure must be at most 32; this is 33"
     ),

@@ -37,6 +37,8 @@ FLOAT_CHANNELS: dict[str, tuple[str, ...]] = {
 }
 INTEGER_CHANNELS: dict[str, tuple[str, ...]] = {"object": ("object.id",), "cell": ("cell.id",)}
 CHANNELS = (*FLOAT_CHANNELS, *INTEGER_CHANNELS)
+# Of which a PNG may be a heat map.
+HEAT_CHANNELS = ("depth", "steps")
 SUFFIXES = (".exr", ".png")
 # How light becomes the color of a screen; `film.ocio` says how each of them does.
 VIEWS = ("none", "filmic", "aces")
@@ -127,22 +129,24 @@ class Image:
         force: bool = False,
         exposure: float = 0.0,
         view: str = "none",
+        most: float | None = None,
     ) -> None:
         """Write the picture to `path`; the suffix says how.
 
         .exr: `channels` (default: all) as 32-bit floats in linear Rec.709, object and cell as parts of 32-bit
-        integers. .png: beauty alone, 8 bits in sRGB, made by `to_srgb` with `exposure` and `view`, which its
-        metadata tell. The file is written beside its name as NAME.part, read back, compared and renamed:
-        under its own name it is whole or absent.
+        integers. .png: one channel, 8 bits in sRGB: beauty, the default, made by `to_srgb` with `exposure`
+        and `view`; depth or steps by `heat_map` with `most`. Its metadata tell how. The file is written
+        beside its name as NAME.part, read back, compared and renamed: under its own name it is whole or
+        absent.
 
-        Raises OutputError: wrong suffix or channels, exposure or view for an .exr, no such directory, not
-        writable, disk full, or the file exists and `force` is not given; ValueError as `to_srgb` does.
+        Raises OutputError: wrong suffix or channels, exposure, view or most for what does not take them, no
+        such directory, not writable, disk full, or the file exists and `force` is not given; ValueError as
+        `to_srgb` and `heat_map` do.
         """
         target = check_output(path, channels, force)
-        chosen = tuple(channels) if channels is not None else tuple(n for n in CHANNELS if n in self.channels)
         is_png = target.suffix.lower() == ".png"
-        if is_png:
-            chosen = ("beauty",)
+        every = ("beauty",) if is_png else tuple(n for n in CHANNELS if n in self.channels)
+        chosen = tuple(channels) if channels is not None else every
         absent = [name for name in chosen if name not in self.channels]
         if absent:
             has = ", ".join(self.channels)
@@ -150,6 +154,15 @@ class Image:
         if not is_png and (exposure != 0 or view != "none"):
             raise OutputError(
                 f"{path}: an EXR keeps the linear numbers; leave exposure and view out, or write a PNG"
+            )
+        if is_png and chosen[0] in HEAT_CHANNELS:
+            if exposure != 0 or view != "none":
+                raise OutputError(f"{path}: a heat map is no light; leave exposure and view out")
+            _save_parts(target, self._heat_parts(chosen[0], most))
+            return
+        if most is not None:
+            raise OutputError(
+                f"{path}: most is for a heat map; leave it out, or write steps or depth to a PNG"
             )
         _save_parts(target, self._png_parts(exposure, view) if is_png else self._exr_parts(chosen))
 
@@ -169,6 +182,13 @@ class Image:
         pixels = to_srgb(self.channels["beauty"], exposure, view)
         film = {"exposure": json.dumps(float(exposure)), "view": view}
         return [_Part("beauty", "uint8", dict(_planes("beauty", pixels)), self._saved_metadata() | film)]
+
+    def _heat_parts(self, channel: str, most: float | None) -> list[_Part]:
+        values = self.channels[channel]
+        black = largest(values) if most is None else float(most)
+        gray = np.broadcast_to(heat_map(values, black)[..., np.newaxis], (*values.shape, 3))
+        told = {"shows": channel, "most": json.dumps(black)}
+        return [_Part(channel, "uint8", dict(_planes("beauty", gray)), self._saved_metadata() | told)]
 
     def _saved_metadata(self) -> dict[str, str]:
         return {key: text for key, text in self.metadata.items() if text}
@@ -233,6 +253,27 @@ def to_srgb(beauty: Array, exposure: float = 0.0, view: str = "none") -> NDArray
         display = _displayed(np.clip(linear[rows], 0, 1 if view == "none" else _OVER_WHITE), view)
         out[rows] = np.rint(np.clip(display, 0, 1) * 255)
     return out
+
+
+def heat_map(values: Array, most: float | None = None) -> NDArray[np.uint8]:
+    """Grays (H,W), 8 bits, of numbers (H,W): 0 is white, `most` and more is black, even steps between them.
+
+    `most`: left out, the largest that occurs. Infinity is black, as is NaN, of which nothing is known.
+    Raises ValueError for another shape, `most` not a finite number over 0.
+    """
+    if values.ndim != 2:
+        raise ValueError(f"the numbers of a heat map have the shape {values.shape}, expected (H, W)")
+    black = largest(values) if most is None else most
+    if not 0 < black < np.inf:
+        raise ValueError(f"most is {black}; expected a finite number over 0")
+    shares = np.clip(np.nan_to_num(values.astype(np.float64), nan=np.inf) / black, 0, 1)
+    return np.rint(255 * (1 - shares)).astype(np.uint8)
+
+
+def largest(values: Array) -> float:
+    """The largest finite number; 1 where none is over 0, so that a heat map can be made of it."""
+    found = float(np.max(values, where=np.isfinite(values), initial=0))
+    return found if found > 0 else 1.0
 
 
 def _displayed(pixels: Array, view: str) -> Array:
@@ -313,8 +354,11 @@ def check_output(
             raise OutputError(f"{path}: no channels are named; there are {', '.join(CHANNELS)}")
         if wrong:
             raise OutputError(f"{path}: unknown channels {', '.join(wrong)}; there are {', '.join(CHANNELS)}")
-        if suffix == ".png" and list(channels) != ["beauty"]:
-            raise OutputError(f"{path}: a PNG holds beauty alone; write {', '.join(channels)} to an EXR")
+        if suffix == ".png" and (len(channels) != 1 or channels[0] not in ("beauty", *HEAT_CHANNELS)):
+            raise OutputError(
+                f"{path}: a PNG shows beauty, depth or steps, one of them; "
+                f"write {', '.join(channels)} to an EXR"
+            )
     try:
         str(target).encode()
         with contextlib.suppress(FileNotFoundError):
@@ -411,9 +455,9 @@ def _read_back(part_path: Path, target: Path, parts: Sequence[_Part]) -> None:
 def read_image(path: str | os.PathLike[str]) -> Image:
     """Read a picture that `Image.save` wrote: its channels and metadata, exact for EXR.
 
-    A PNG has a beauty alone, brought back to linear Rec.709 as far as its 8 bits say; exposure and view,
-    which its metadata tell, are not undone. Raises MissingFileError where the file is absent, damaged or not
-    a picture.
+    A PNG has a beauty alone, brought back to linear Rec.709 as far as its 8 bits say; exposure and view, or
+    of which channel it is a heat map, are told by its metadata and not undone. Raises MissingFileError where
+    the file is absent, damaged or not a picture.
     """
     what = f"{path}: cannot be read"
     file = check(oiio.ImageInput.open(os.fspath(path)), oiio, what, MissingFileError)

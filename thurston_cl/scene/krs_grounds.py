@@ -26,6 +26,7 @@ Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole nu
 Doublings = Annotated[int, Ge(1), Le(12), BeforeValidator(whole_number), Says("whole number from 1 to 12")]
 Strength = Annotated[Number, Ge(0), Le(2), Says("number from 0 to 2")]
 PartOf = Annotated[Number, Ge(0.05), Le(1), Says("number from 0.05 to 1")]
+Taper = Annotated[Number, Ge(0), Le(4), Says("number from 0 to 4")]
 Apart = Annotated[Number, Ge(2), Le(10), Says("number from 2 to 10")]
 # Mirrors that lean more make walls.
 Lean = Annotated[Angle, within(0, 15), Says("angle from 0 deg to 15 deg")]
@@ -248,23 +249,31 @@ class PalmLeaf(Ground):
 
     length: Positive = Field(default=1.0, description="Length of the blade, straight from end to end.")
     doublings: Doublings = Field(
-        default=5, description="How often leaflets are doubled: there are 2^doublings on either side."
+        default=6, description="How often leaflets are doubled: there are 2^doublings on either side."
     )
     leaflets: PartOf = Field(
-        default=0.5, description="How long the longest leaflets are, about, in lengths of the midrib."
+        default=0.25,
+        description="How long leaflets are, in lengths of the midrib, before `taper` stretches those near "
+        "the stalk.",
     )
     width: PartOf = Field(
-        default=0.33, description="Half the width of a leaflet, in distances from one to the next."
+        default=0.42, description="Half the width of a leaflet, in distances from one to the next."
     )
-    hang: Aside = _degrees(23, "How far leaflets slope down from the midrib.")
-    droop: Weight = Field(default=0.5, description="How much the whole frond bends down.")
-    taper: Weight = Field(default=1.0, description="How much smaller leaflets get towards its tip.")
-    fullness: Weight = Field(default=0.2, description="How much smaller they get towards both ends.")
+    hang: Aside = _degrees(14, "How far leaflets slope down from the midrib.")
+    droop: Weight = Field(default=0.25, description="How much the whole frond bends down.")
+    taper: Taper = Field(
+        default=2.2,
+        description="How much smaller leaflets get towards its tip, and how far they sweep towards it: 0 not "
+        "at all, 1 to a quarter, 4 to a twenty-fifth of their length.",
+    )
+    fullness: Weight = Field(
+        default=0.0, description="How much smaller they get towards both ends; it leaves a gap halfway."
+    )
     uneven: Weight = Field(
-        default=0.1, description="How much the maps between leaflets bend and scale, each by chance."
+        default=0.18, description="How much the maps between leaflets bend and scale, each by chance."
     )
     stalk: Weight = Field(default=0.4, description="Length of the stalk, about, in lengths of the blade.")
-    seed: Seed = Field(default=3, description=_SEED.format("frond"))
+    seed: Seed = Field(default=5, description=_SEED.format("frond"))
     leaf: MaterialValue = Field(
         default=Material(color=color("#4f8a2b"), specular=0.15, diffuse=0.75),
         description="What leaflets are made of. Left out: green.",

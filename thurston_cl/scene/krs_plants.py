@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field
 
 from thurston_cl.krs.recipes.coral import coral
 from thurston_cl.krs.recipes.forest import forest
+from thurston_cl.krs.recipes.moebius_coral import moebius_coral
 from thurston_cl.krs.recipes.shrub import shrub
 from thurston_cl.krs.recipes.tree import tree
 from thurston_cl.krs.sequence import MOST_LEVELS
@@ -17,11 +18,12 @@ from .base import Problem
 from .context import Context
 from .krs_recipe import Recipe, within
 from .surfaces import Material, MaterialValue
-from .values import Angle, Flag, Positive, Ratio, Says, Seed, Weight, color, whole_number
+from .values import Angle, Flag, Number, Positive, Ratio, Says, Seed, Weight, color, whole_number
 
 Levels = Annotated[int, Ge(1), Le(30), BeforeValidator(whole_number), Says("whole number from 1 to 30")]
 Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole number from 0 to 8")]
 Doublings = Annotated[int, Ge(1), Le(24), BeforeValidator(whole_number), Says("whole number from 1 to 24")]
+Bent = Annotated[Number, Ge(0), Le(0.6), Says("number from 0 to 0.6")]
 # Wider forks, or branches that turn back, would go through those before them.
 Spread = Annotated[Angle, within(5, 60), Says("angle from 5 deg to 60 deg")]
 Outwards = Annotated[Angle, within(0, 70), Says("angle from 0 deg to 70 deg")]
@@ -243,12 +245,20 @@ class Coral(Plant):
     buds: Few = Field(
         default=2, description="How often the buds around a tip are doubled: 2^(buds + 1) − 2 of them."
     )
+    bend: Bent = Field(
+        default=0.0,
+        description="How strongly each part is bent and scaled in its own way, so that no branch equals "
+        "another: 0.2 shows, 0.6 is wild. With 0 branches are mirror images of each other; with more it is "
+        "a [Moebius sequence](#moebius-level), which takes longer.",
+    )
     seed: Seed = Field(default=0, description=_SEED.format("coral"))
     body: MaterialValue = _material(_BODY, "branches and buds", "red")
     tip: MaterialValue = _material(_TIP, "tips", "pale")
 
     def record(self) -> Mapping[str, Any]:
-        return coral(**{key: getattr(self, key) for key in type(self).model_fields if key not in self.roles})
+        apart = (*self.roles, "bend")
+        growth = {key: getattr(self, key) for key in type(self).model_fields if key not in apart}
+        return moebius_coral(strength=self.bend, **growth) if self.bend > 0 else coral(**growth)
 
     @classmethod
     def _uncounted(cls) -> int:

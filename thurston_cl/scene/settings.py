@@ -112,6 +112,17 @@ class Output(Node):
         description="What an `.exr` holds: the picture, length of the ray, normal, number of the object, "
         "number of the cell, steps of the ray.",
     )
+    shows: Literal["beauty", "depth", "steps"] = Field(
+        default="beauty",
+        description="What a `.png` shows: the picture, or, as a heat map, the length of each ray or the "
+        "number of its steps. White is 0, black is `most` and more, and grays between them are even in sRGB. "
+        "Of the first ray of a pixel, as in the channels of an `.exr`.",
+    )
+    most: Positive | None = Field(
+        default=None,
+        description="What is black in a heat map. Left out: the largest that occurs. Depth is black as well "
+        "where nothing is hit.",
+    )
     exposure: Exposure = Field(
         default=0, description="Stops by which a `.png` is brighter than the light: each doubles it."
     )
@@ -128,10 +139,22 @@ class Output(Node):
             )
         if self.file.lower().endswith(".exr"):
             cure = "leave it out, or write a .png too"
+            for name in ("shows", "most"):
+                if name in self.model_fields_set:
+                    help = "leave it out, and name what it holds in 'channels'"
+                    yield Problem((name,), "an .exr keeps numbers and makes no heat map of them", help, True)
             for name in ("exposure", "view"):
                 if name in self.model_fields_set:
                     message = f"an .exr keeps the linear numbers and takes no {name}"
                     yield Problem((name,), message, cure, True)
+        elif self.shows != "beauty":
+            for name in ("exposure", "view"):
+                if name in self.model_fields_set:
+                    message = f"a heat map of {self.shows} is no light and takes no {name}"
+                    yield Problem((name,), message, "leave it out", True)
+        elif "most" in self.model_fields_set:
+            message = "most says what is black in a heat map, and this is the picture"
+            yield Problem(("most",), message, "add 'shows: steps' or 'shows: depth', or leave it out", True)
         for index, channel in enumerate(self.channels):
             if channel in self.channels[:index]:
                 yield Problem(("channels", index), f"'{channel}' is listed twice")

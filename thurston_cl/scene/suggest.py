@@ -42,6 +42,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "ground": ("half-space",),
     "group": ("manifold",),
     "haze": ("fog",),
+    "heatmap": ("shows",),
     "heading": ("yaw",),
     "height": ("offset", "size"),
     "horizon": ("far",),

@@ -24,30 +24,31 @@ from .pieces import spindle
 MOST_DOUBLINGS = 12
 _X, _Y, _Z = np.eye(3)
 _STEP = 1e-4  # between the points that tell which way the midrib goes, in distances between leaflets
+_RIB = 0.2  # radius of the midrib, in the same
 
 
 def palm_leaf(
     *,
     length: float = 1.0,
-    doublings: int = 5,
-    leaflets: float = 0.5,
-    width: float = 0.33,
-    hang: float = math.radians(23),
-    droop: float = 0.5,
-    taper: float = 1.0,
-    fullness: float = 0.2,
-    uneven: float = 0.1,
+    doublings: int = 6,
+    leaflets: float = 0.25,
+    width: float = 0.42,
+    hang: float = math.radians(14),
+    droop: float = 0.25,
+    taper: float = 2.2,
+    fullness: float = 0.0,
+    uneven: float = 0.18,
     stalk: float = 0.4,
-    seed: int = 3,
+    seed: int = 5,
 ) -> dict[str, Any]:
     """The Moebius record of a frond whose blade begins at the origin and grows along x; up is z.
 
     `length` of the blade, straight from end to end, and about that of the `stalk`, in lengths of it.
     2^`doublings` leaflets on either side, as long as `leaflets`, about, in lengths of the midrib before it is
     bent, and `width` half their width, in distances between them. `hang`: how far they slope down from the
-    midrib, in radians. `droop`: how strongly it bends down, `taper`: how strongly leaflets get smaller
-    towards its end, `fullness`: towards both ends; 0 to about 1. `uneven`: how strongly maps of the other
-    levels bend and scale, each by chance.
+    midrib, in radians. `droop`: how strongly it bends down. `taper`: how strongly leaflets get smaller
+    towards its end and all sweep ahead, 0 to about 4; `fullness`: how strongly they get smaller towards both
+    ends, 0 to about 1. `uneven`: how strongly maps of the other levels bend and scale, each by chance.
     Materials: 0 leaflets, 1 midrib. ValueError for a number of doublings not from 1 to MOST_DOUBLINGS.
     """
     if not 1 <= doublings <= MOST_DOUBLINGS:
@@ -59,7 +60,7 @@ def palm_leaf(
     # Halves of one leaflet meet at x = 0; it grows along z from a piece of midrib along y, which is 1 long.
     kernels = [
         spindle((0, 0, 0), (0, 0, blade), width, 0.36 * width, _X, 0),
-        {"type": "capsule", "a": [0.0, -0.55, 0.0], "b": [0.0, 0.55, 0.0], "r": 0.2, "mat": 1},
+        {"type": "capsule", "a": [0.0, -0.55, 0.0], "b": [0.0, 0.55, 0.0], "r": _RIB, "mat": 1},
     ]
     grown = np.array([0.0, math.cos(hang), math.sin(hang)])
     before = rotation(np.column_stack([np.cross(_X, grown), _X, grown]))
@@ -91,7 +92,11 @@ def palm_leaf(
     maps.append(dilation(length / size) @ whole)
     # Behind the blade a length t becomes about t / (1 − taper t / reach): nearer to the pole, longer.
     stem = stalk * size / (1 + taper * stalk * size / reach)
-    kernels.append({"type": "capsule", "a": [0.0, -stem, 0.0], "b": [0.0, 0.0, 0.0], "r": 0.24, "mat": 1})
+    # As thick as the midrib is where it begins, so that one goes on as the other.
+    stem_radius = _RIB * float(np.linalg.norm(rib[1] - rib[0])) / _STEP
+    kernels.append(
+        {"type": "capsule", "a": [0.0, -stem, 0.0], "b": [0.0, 0.0, 0.0], "r": stem_radius, "mat": 1}
+    )
     return {"G": [m.matrix.tolist() for m in maps], "kernels": kernels}
 
 
