@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from thurston_cl.krs.kernels import EMPTY, Kernel, number, vector
+from thurston_cl.krs.kernels import EMPTY, Kernel, number, part_of, vector
 from thurston_cl.krs.sequence import Mirror
 from thurston_cl.models import MODEL, PRODUCTS, off_model
 
@@ -58,7 +58,7 @@ class Space:
         """The kernel of a record: a sphere {c, r}; a plane {type: plane, n}, in products also {type: plane,
         height}; a capsule {type: capsule, a, b, r}, in products a vertical one.
         """
-        kind, part = record.get("type", "sphere"), int(record.get("mat", 0))
+        kind, part = record.get("type", "sphere"), part_of(record, what)
         if kind == "empty":
             return EMPTY
         try:
@@ -87,7 +87,7 @@ _SPACES = {
 
 def space_named(name: Any) -> Space:
     """The space that a record names."""
-    if name not in _SPACES:
+    if not isinstance(name, str) or name not in _SPACES:
         raise ValueError(f"space is {name!r}; expected one of: {', '.join(_SPACES)}")
     return _SPACES[name]
 

@@ -55,17 +55,22 @@ EMPTY = Kernel("empty", 0, (), None, lambda u: -np.inf, "empty")
 def kernel_of(record: Mapping[str, Any], what: str) -> Kernel:
     """The kernel that a record describes; `what` names it in the message of a ValueError."""
     kind = record.get("type", "sphere")
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise ValueError(f"{what} has type {kind!r}; expected one of: {', '.join(KINDS)}")
     if kind == "empty":
         return EMPTY
+    try:
+        return _MAKERS[kind](_Entries(record, what), part_of(record, what))
+    except KeyError as error:
+        raise ValueError(f"{what}, a {kind}, has no {error.args[0]!r}") from None
+
+
+def part_of(record: Mapping[str, Any], what: str) -> int:
+    """The number of the material of the kernel that a record describes."""
     part = record.get("mat", 0)
     if isinstance(part, bool) or not isinstance(part, (int, np.integer)) or part < 0:
         raise ValueError(f"{what} has mat {part!r}; expected a whole number from 0")
-    try:
-        return _MAKERS[kind](_Entries(record, what), int(part))
-    except KeyError as error:
-        raise ValueError(f"{what}, a {kind}, has no {error.args[0]!r}") from None
+    return int(part)
 
 
 class _Entries:

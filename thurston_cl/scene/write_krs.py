@@ -39,8 +39,6 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
     distance, way, surface = [f"real d = {kind}_distance(q, scene, {place});"], [], []
     if krs.twist is not None:
         writer.parts.add("krs/twist.h")
-        if not sequence.radius < float("inf"):
-            raise ValueError("a sequence without bound cannot be twisted; leave out what has none")
         radius = sequence.balls.reach_about_axis()
         twist = numbers.add([krs.twist.angle, radius])
         distance = [

@@ -19,8 +19,11 @@ from thurston_cl.lattice.isometry import (
 )
 from thurston_cl.models import FIBRED, ISOTROPIC, LEFT_INVARIANT
 from thurston_cl.scene import schema
+from thurston_cl.scene.krs import Krs
+from thurston_cl.scene.krs_sequence import SequenceError
 from thurston_cl.scene.near_walls import balls_over_walls, bounds_of, images, is_hollow
 from thurston_cl.scene.numbers import components, homogeneous
+from thurston_cl.scene.parse import Location
 from thurston_cl.scene.placement import X_AXIS, Z_AXIS
 from thurston_cl.scene.texels import MOST_LEVELS
 from thurston_cl.scene.write_krs import tells_free_balls, write_krs
@@ -58,6 +61,9 @@ def write_objects(writer: Writer) -> int:
             seen = np.empty((0, 4, 4))
             if writer.lattice is not None:
                 seen = images(solid, outer, writer.near_walls, writer.lattice, writer.place)
+        except SequenceError as error:
+            path = (*written, *_keys_to(solid, error.krs), *error.path)
+            raise writer.scene.error_at(path, str(error), error.help) from error
         except ValueError as error:
             raise writer.scene.error_at((*written, "at"), str(error)) from error
         writer.function(
@@ -105,6 +111,18 @@ def write_objects(writer: Writer) -> int:
     )
     writer.distances = len(writer.scene.solids) + count
     return count
+
+
+def _keys_to(solid: schema.Solid, krs: Krs | None) -> Location:
+    """The keys that lead from a solid to a sequence in it."""
+    shape, kind = solid.shape, solid.kind
+    if shape is krs:
+        return (kind,)
+    inside = [((kind, k), member) for k, member in enumerate(shape)] if isinstance(shape, tuple) else []
+    if isinstance(shape, schema.Solid):
+        inside = [((kind,), shape)]
+    found = ((*keys, *_keys_to(member, krs)) for keys, member in inside)
+    return next((keys for keys in found if keys[-1] == "krs"), ())
 
 
 def _unless_skipped(k: int, lines: list[str]) -> list[str]:
