@@ -421,7 +421,7 @@ class Krs(Node):
         if self.record is not None:
             parts = max(kernel.part for kernel in self.record.sequence.kernels)
             if self.made_of and parts >= len(self.made_of):
-                message = f"the record has mat {parts}, and there are {len(self.made_of)} materials"
+                message = f"the record has a mat {parts}, and listed are {len(self.made_of)}, from mat 0"
                 yield Problem(("made-of",), message, f"list {parts + 1}")
             if geometry == "e3" and self.record.sequence.geometry != geometry:
                 message = f"this record is of {self.record.sequence.geometry}, and the scene of {geometry}"
