@@ -1846,7 +1846,8 @@ MISTAKES = {
     ),
     "too few materials": Mistake(
         a_sequence(
-            "record: {mirrors: [{u: [1, 0, 0], w: 1}], kernels: [{type: sphere, c: [0, 0, 0], r: 1, mat: 2}, {type: empty}]}, made-of: [{color: red}]"
+            "record: {mirrors: [{u: [1, 0, 0], w: 1}], "
+            "kernels: [{type: sphere, c: [0, 0, 0], r: 1, mat: 2}, {type: empty}]}, made-of: [{color: red}]"
         ),
         "3:133",
         "the record has a mat 2, and listed are 1, from mat 0",
@@ -2061,7 +2062,8 @@ MISTAKES = {
             ),
             (
                 "a map that leaves space",
-                f"G: [[[[1, 0, 0, 0], [1, 0, 0, 0]], [[0, 0, 0, 0], [1, 0, 0, 0]]]], kernels: [{{type: empty}}, {BALL_KERNEL}]",
+                "G: [[[[1, 0, 0, 0], [1, 0, 0, 0]], [[0, 0, 0, 0], [1, 0, 0, 0]]]], "
+                f"kernels: [{{type: empty}}, {BALL_KERNEL}]",
                 "G of level 0: this Moebius map does not keep R^3: Re(a c*), Re(b d*) or Im(",
             ),
             (
