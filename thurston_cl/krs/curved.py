@@ -124,7 +124,7 @@ def sphere(geometry: str, center: Array, radius: float, part: int) -> Kernel:
             return side + radius
         return (np.arcsin(np.clip(side, -1, 1)) if geometry in ("s3", "s2xe") else np.arcsinh(side)) + radius
 
-    return Kernel("sphere", part, (*center, radius), (center, radius), reach, f"ball of radius {radius:.4g}")
+    return Kernel("sphere", part, (*center, radius), (center, radius), reach, f"ball of radius {radius:.3g}")
 
 
 def plane(geometry: str, mirror: Mirror, part: int) -> Kernel:
@@ -171,7 +171,7 @@ def capsule(geometry: str, a: Array, b: Array, radius: float, part: int) -> Kern
     if not half > 0:
         raise ValueError("a capsule that begins where it ends; make it a ball")
     middle, along = (out[0] for out in g.flow(directions[0, 0], half, base=a))
-    words = f"capsule of length {2 * half:.4g}, radius {radius:.4g}"
+    words = f"capsule over {2 * half:.3g}, radius {radius:.3g}"
     if geometry in PRODUCTS:
         if abs(abs(directions[0, 0, 2]) - 1) > OFF_MODEL:
             raise ValueError(f"in {geometry} a capsule of a sequence is vertical")

@@ -130,9 +130,7 @@ def across(axis: Array) -> tuple[Array, Array]:
 
 def _sphere(entries: _Entries, part: int) -> Kernel:
     c, r = entries.vector("c"), entries.positive("r")
-    return Kernel(
-        "sphere", part, (*c, 1.0, r), (c, r), lambda u: float(u @ c) + r, f"sphere of radius {r:.4g}"
-    )
+    return Kernel("sphere", part, (*c, 1.0, r), (c, r), lambda u: float(u @ c) + r, f"ball of radius {r:.3g}")
 
 
 def _plane(entries: _Entries, part: int) -> Kernel:
@@ -146,7 +144,7 @@ def _plane(entries: _Entries, part: int) -> Kernel:
         return h if np.allclose(u, n, rtol=0, atol=1e-12) else np.inf
 
     own = (*n, 0.0, -h, 0.0, *first, 0.0, *second, 0.0)
-    return Kernel("plane", part, own, None, reach, "plane")
+    return Kernel("plane", part, own, None, reach, "half-space")
 
 
 def _capsule(entries: _Entries, part: int) -> Kernel:
@@ -160,7 +158,7 @@ def _capsule(entries: _Entries, part: int) -> Kernel:
         own,
         (middle, half + r),
         lambda u: float(max(u @ a, u @ b)) + r,
-        f"capsule of length {2 * half:.4g}, radius {r:.4g}",
+        f"capsule over {2 * half:.3g}, radius {r:.3g}",
     )
 
 
@@ -217,7 +215,7 @@ def _toroidal_capsule(entries: _Entries, part: int) -> Kernel:
 
     # Within half the chord, or of an arc over half a circle within its circle's radius, of its centre there.
     ball = (0.5 * (p + q), 0.5 * length + r) if cosine >= 0 else (middle - out / curvature, 1 / curvature + r)
-    return Kernel("torcap", part, own, ball, reach, f"toroidal capsule over {length:.4g}, radius {r:.4g}")
+    return Kernel("torcap", part, own, ball, reach, f"arc over {length:.3g}, radius {r:.3g}")
 
 
 # How far m may be off the chord, as a part of its length, for the arc to be straight: rounding.
@@ -242,7 +240,7 @@ def _lens(entries: _Entries, part: int) -> Kernel:
             return float(u @ c) + 1 / curvature - (1 / curvature - half) * steep
         return float(u @ c) + rim * flat
 
-    words = f"lens leaf of radius {rim:.4g}, {2 * half:.4g} thick"
+    words = f"leaf of radius {rim:.3g}, {2 * half:.3g} thick"
     return Kernel("lens", part, own, (c, rim), reach, words)
 
 

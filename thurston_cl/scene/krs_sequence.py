@@ -50,7 +50,7 @@ class Painted:
 
 
 class SequenceError(ValueError):
-    """A sequence of a scene that cannot be: what is wrong, the keys that lead to it from `krs`, and a cure."""
+    """A sequence of a scene that cannot be: what is wrong, which keys of `krs` lead there, and a cure."""
 
     def __init__(
         self, message: str, path: Location = (), help: str | None = None, krs: Krs | None = None
@@ -138,7 +138,9 @@ def _painted(krs: Krs, name: str, points: _Points) -> Painted:
             dataclasses.replace(kernel, part=0 if shift is None else kernel.part + shift)
             for kernel in record.sequence.kernels
         )
-        return _without_poles(krs, Painted(dataclasses.replace(record.sequence, kernels=kernels), krs.materials))
+        return _without_poles(
+            krs, Painted(dataclasses.replace(record.sequence, kernels=kernels), krs.materials)
+        )
 
     def made(path: Location, kernel: Kernel | None) -> SequenceKernel:
         if kernel is None:
@@ -151,7 +153,9 @@ def _painted(krs: Krs, name: str, points: _Points) -> Painted:
     if krs.moebius is not None:
         maps = []
         for i, level in enumerate(krs.moebius):
-            with _reported_at("moebius", i, "map", help="write numbers that are neither so large nor so small"):
+            with _reported_at(
+                "moebius", i, "map", help="write numbers that are neither so large nor so small"
+            ):
                 maps.append(_map(level.map))
         widths = tuple(level.smooth for level in krs.moebius)
         return _without_poles(krs, Painted(MoebiusSequence(tuple(maps), widths, kernels), krs.materials))
