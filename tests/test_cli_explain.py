@@ -253,7 +253,7 @@ def test_the_levels_of_sequences_as_data(explain: Callable[..., Result]) -> None
     }
     assert (first["kernels"], first["radius"]) == (13, None)
     assert second["kernels"] == 4
-    # Balls of radius 2 about the capsule and its image; then all twice as large, with a mirror that keeps radii.
+    # Balls of radius 2 about the capsule and its image; then all of it is twice as large.
     centers, radii, _ = moebius.bend([0.1, 0, 0]).sphere_image([[-1, 0, 1.5], [1, 0, 1.5]], [2.0, 2.0])
     reach = 2 * np.max(np.linalg.norm(centers, axis=1) + radii)
     assert second["radius"] == pytest.approx(reach, rel=1e-12)

@@ -126,11 +126,10 @@ class _Points:
 
 @functools.lru_cache(maxsize=64)
 def _painted(krs: Krs, name: str, points: _Points) -> Painted:
+    record = krs.record
     if krs.recipe is not None:
         with _reported_at(krs.kind, help="choose another seed"):
             record = Record(krs.recipe.record())
-    else:
-        record = krs.record
     if record is not None:
         # Without materials every part is the object's own.
         shift = 1 if krs.materials else None
@@ -175,10 +174,7 @@ def _without_poles(krs: Krs, painted: Painted) -> Painted:
         try:
             _ = painted.sequence.radius
         except PoleError as error:
-            path = {
-                "moebius": ("moebius", error.level, "map"),
-                "record": ("record", "G", error.level),
-            }.get(krs.kind, (krs.kind,))
+            path: Location = (krs.kind,) if krs.moebius is None else ("moebius", error.level, "map")
             help = "bend less, or move what is bent away from the pole v/|v|² of the bend"
             raise SequenceError(str(error), path, help) from error
     return painted

@@ -118,8 +118,10 @@ def _keys_to(solid: schema.Solid, krs: Krs | None) -> Location:
     shape, kind = solid.shape, solid.kind
     if shape is krs:
         return (kind,)
-    inside = [((kind, k), member) for k, member in enumerate(shape)] if isinstance(shape, tuple) else []
-    if isinstance(shape, schema.Solid):
+    inside: list[tuple[Location, schema.Solid]] = []
+    if isinstance(shape, tuple):
+        inside = [((kind, k), member) for k, member in enumerate(shape)]
+    elif isinstance(shape, schema.Solid):
         inside = [((kind,), shape)]
     found = ((*keys, *_keys_to(member, krs)) for keys, member in inside)
     return next((keys for keys in found if keys[-1] == "krs"), ())
