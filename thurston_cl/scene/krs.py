@@ -242,7 +242,7 @@ class Twist(Node):
     angle: Angle = Field(description="How far things turn for each unit of height.")
 
 
-class Zone(Node):
+class EmptyZone(Node):
     """A ball out of which the sequence is cut (KRS paper, 8.4)."""
 
     what = "an empty zone"
@@ -255,7 +255,7 @@ class Zone(Node):
 def _zones(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, (list, tuple)):
         return value
-    return (Zone.model_validate(value, context=context_of(info)),)
+    return (EmptyZone.model_validate(value, context=context_of(info)),)
 
 
 class Record:
@@ -361,7 +361,7 @@ class Krs(Node):
     )
     twist: Twist | None = Field(default=None, description="Twist it about its z-axis. In e3.")
     empty_zones: Annotated[
-        tuple[Zone, ...],
+        tuple[EmptyZone, ...],
         BeforeValidator(_zones),
         OneOrMore(),
         Says("an [empty zone](#empty-zone), or a list of them"),
