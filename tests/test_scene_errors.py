@@ -1951,6 +1951,13 @@ MISTAKES = {
     "leaflets that are too long": Mistake(
         a_sequence("palm-leaf: {leaflets: 1.5}"), "3:33", "leaflets must be at most 1; this is 1.5", "", False
     ),
+    "relaxed with empty zones": Mistake(
+        a_sequence(f"empty-zones: {{radius: 1}}, {ONE_LEVEL}") + "render: {tracer: relaxed}\n",
+        "4:10",
+        "tracer: relaxed needs distances all around; with empty zones it holds along the ray",
+        "leave it out, or write 'tracer: direct'",
+        False,
+    ),
     **{
         f"a record with {name}": Mistake(
             a_sequence(f"record: {{{text}}}"),

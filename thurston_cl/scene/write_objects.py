@@ -137,7 +137,9 @@ def needs_clearance(writer: Writer) -> bool:
     scene = writer.scene
     soft = any(light.shadows is not None and light.shadows.soft is not None for light in scene.lights)
     occlusion = scene.effects.ambient_occlusion is not None
-    return ((soft or occlusion) and writer.directed) or (occlusion and writer.near_walls == "images")
+    # One ray is marched for a block of pixels.
+    around = soft or occlusion or scene.render.start == "block"
+    return (around and writer.directed) or (occlusion and writer.near_walls == "images")
 
 
 def _clearance(
