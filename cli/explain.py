@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import math
 import shutil
 import textwrap
 from typing import TYPE_CHECKING
@@ -67,6 +69,15 @@ def command(
                 name: {"work": cost.work, "count": cost.count, "share_of_first_rays": cost.share}
                 for name, cost in plan.costs.items()
             },
+            "sequences": [
+                {
+                    "levels": [dataclasses.asdict(level) for level in levels],
+                    "kernels": named.sequence.instances,
+                    # Infinite is no number of JSON.
+                    "radius": named.sequence.radius if math.isfinite(named.sequence.radius) else None,
+                }
+                for named, levels in zip(plan.sequences, plan.sequence_levels, strict=True)
+            ],
             "parts": plan.parts,
             "options": options,
         }
@@ -94,6 +105,12 @@ def _print_rows(rows: dict[str, str]) -> None:
         lines = [
             line
             for part in value.split("\n")
-            for line in textwrap.wrap(part, columns - indent, break_long_words=False, break_on_hyphens=False)
+            for line in textwrap.wrap(
+                part,
+                columns - indent,
+                subsequent_indent="  " * (value.count("\n") > 0),
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
         ]
         click.echo(f"{heading:{indent}}" + ("\n" + " " * indent).join(lines))

@@ -37,7 +37,7 @@ __kernel void trace_blocks(__global scalar *records, int stride, TILE, int max_s
   for (int i = 0; i < max_steps && ANY(r.active); i++) {
     // At t the rays are t * apart from the middle one at most, and none comes nearer to the scene than the threshold.
     real spread = r.t * apart, threshold = hit_threshold(r, scene);
-    real step = (scene_distance(r.p, r.v, scene) - spread - threshold) / (REAL(1) + apart);
+    real step = (scene_clearance(r.p, scene_distance(r.p, r.v, scene), scene) - spread - threshold) / (REAL(1) + apart);
     asked += SELECT(r.active, REAL(1), REAL(0));
     r.active &= (step > fma(REAL(BLOCK_WORTH), spread, threshold)) & (r.t < end);
     r = moved_by(r, SELECT(r.active, fmin(step, end - r.t), REAL(0)), scene);

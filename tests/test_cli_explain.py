@@ -8,11 +8,13 @@ from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
 from thurston_cl.cli.main import main
 from thurston_cl.device import Device
+from thurston_cl.krs import moebius
 from thurston_cl.rendering import render
 from thurston_cl.scene import load_scene
 
@@ -44,8 +46,28 @@ outputs: [{file: a.exr, channels: [beauty, cell]}]
 def explain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
     (tmp_path / "plain.yaml").write_text(PLAIN)
     (tmp_path / "rich.yaml").write_text(RICH)
+    (tmp_path / "sequences.yaml").write_text(SEQUENCES)
     monkeypatch.chdir(tmp_path)
     return lambda *arguments: CliRunner().invoke(main, ["explain", *arguments], prog_name="thurston")
+
+
+SEQUENCES = """\
+geometry: e3
+camera: {at: [-9, 0, 3]}
+materials: {leaf: {color: olivedrab}}
+objects:
+  - krs:
+      kernel: {leaf: {radius: 0.1, thickness: 0.03, at: [-1, 0, 2]}, material: leaf}
+      levels:
+        - {mirror: {normal: [2, 0, 0], smooth: 0.25}, kernel: {ball: {radius: 0.5, at: [0, -1, 0]}}}
+        - {mirror: {normal: [0, 1, 0]}}
+        - {mirror: {normal: [0, 0, -1], offset: 1}, kernel: {half-space: {}, material: {color: tan}}}
+  - krs:
+      kernel: {capsule: {from: [-1, 0, 0], to: [-1, 0, 3], radius: 0.5}}
+      moebius: [{map: [{bend: [0.1, 0, 0]}]}, {map: [{scale: 2}]}]
+    at: [0, 5, 0]
+  - krs: {tree: {levels: 4, leaves: 1, seed: 3}}
+"""
 
 
 def rows(result: Result) -> dict[str, str]:
@@ -188,3 +210,69 @@ def test_the_predicted_cost_is_that_of_what_is_counted(explain: Callable[..., Re
         costs["lights"]["share_of_first_rays"] / 8
     )
     assert "hard shadows: about " in rows(explain("rich.yaml"))["predicted cost"]
+
+
+@pytest.mark.filterwarnings("ignore:sequence")
+def test_sequences_level_by_level(explain: Callable[..., Result], monkeypatch: pytest.MonkeyPatch) -> None:
+    """A line a level: mirror or map, how many of its kernel, and its material by name."""
+    monkeypatch.setenv("COLUMNS", "140")
+    result = explain("sequences.yaml")
+    indent = result.stdout.index("e3") - result.stdout.index("geometry")
+    table = [
+        line[indent:] for line in result.stdout.split("sequence 1")[1].split("distance near")[0].split("\n")
+    ]
+    assert "3 levels, 13 kernels in all, without bound" in result.stdout
+    assert table[1:5] == [
+        "0: 8 x leaf of radius 0.1, 0.03 thick: leaf",
+        "1: mirror (1, 0, 0) at 0, smooth 0.25; 4 x ball of radius 0.5",
+        "2: mirror (0, 1, 0) at 0",
+        "3: mirror (0, 0, -1) at 1; 1 x half-space: tan",
+    ]
+    assert table[6:9] == [
+        "0: 4 x capsule over 3, radius 0.5",
+        "1: mirror x = 0, map with pole (10, 0, 0)",
+        "2: mirror x = 0, similarity x 2",
+    ]
+    tree = json.loads(explain("sequences.yaml", "--json").stdout)["sequences"][2]
+    assert [level["made_of"] for level in tree["levels"]] == ["leaf"] + 4 * ["bark"]
+    assert [level["instances"] for level in tree["levels"]] == [16, 8, 4, 2, 1]
+
+
+@pytest.mark.filterwarnings("ignore:sequence")
+def test_the_levels_of_sequences_as_data(explain: Callable[..., Result]) -> None:
+    first, second, _ = json.loads(explain("sequences.yaml", "--json").stdout)["sequences"]
+    assert first["levels"][0] == {
+        "step": None,
+        "kernel": "leaf of radius 0.1, 0.03 thick",
+        "made_of": "leaf",
+        "instances": 8,
+    }
+    assert first["levels"][1]["made_of"] is None
+    assert first["levels"][2] == {
+        "step": "mirror (0, 1, 0) at 0",
+        "kernel": None,
+        "made_of": None,
+        "instances": 0,
+    }
+    assert (first["kernels"], first["radius"]) == (13, None)
+    assert second["kernels"] == 4
+    # Balls of radius 2 about the capsule and its image; then all of it is twice as large.
+    centers, radii, _ = moebius.bend([0.1, 0, 0]).sphere_image([[-1, 0, 1.5], [1, 0, 1.5]], [2.0, 2.0])
+    reach = 2 * np.max(np.linalg.norm(centers, axis=1) + radii)
+    assert second["radius"] == pytest.approx(reach, rel=1e-12)
+
+
+@pytest.mark.filterwarnings("ignore:sequence")
+def test_long_levels_go_on_further_in(
+    explain: Callable[..., Result], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "70")
+    lines = explain("sequences.yaml").stdout.split("sequence 1")[1].split("sequence 2")[0].split("\n")
+    assert all(len(line) <= 70 for line in lines)
+    starts = [line.lstrip()[:2] for line in lines[1:-1]]
+    levels = [start for start in starts if start in ("0:", "1:", "2:", "3:")]
+    assert levels == ["0:", "1:", "2:", "3:"]
+    assert len(starts) > len(levels)
+    first = lines[starts.index("1:") + 1]
+    after = lines[starts.index("1:") + 2]
+    assert len(after) - len(after.lstrip()) == len(first) - len(first.lstrip()) + 2

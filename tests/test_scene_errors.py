@@ -39,7 +39,77 @@ def a_forest(text: str) -> str:
     return a_sequence(f"hyperbolic-forest: {{{text}}}", "h3")
 
 
-ONE_LEVEL = "kernel: {ball: {radius: 0.1}}, levels: [{mirror: {normal: [1, 0, 0]}}]"
+# By recipe: words that are none of its keys, and what is said of them.
+WORDS_OF_RECIPES = {
+    "tree": {
+        "height": "write 'trunk', the length of the trunk: a tree is about 4 times as high",
+        "angle": "did you mean 'spread'?",
+        "material": "a tree has two: 'bark' and 'leaf'",
+        "color": "write 'bark: {color: ...}' and 'leaf: {color: ...}'",
+        "at": "'at' stands beside 'krs', not inside it",
+    },
+    "forest": {
+        "height": "write 'trunk', the length of the trunk: a tree is about 4 times as high",
+        "angle": "did you mean 'spread'?",
+        "material": "a forest has three: 'bark', 'leaf' and 'soil'",
+        "color": "write 'bark: {color: ...}' and 'leaf: {color: ...}'",
+        "at": "'at' stands beside 'krs', not inside it",
+        "trees": "write 'doublings': 10 are up to 1024 trees",
+        "count": "write 'doublings': 10 are up to 1024 trees",
+    },
+    "shrub": {
+        "height": "write 'stem', the length of a stem: a shrub is about 4 times as high",
+        "trunk": "did you mean 'stem'?",
+        "angle": "did you mean 'spread'?",
+        "material": "a shrub has two: 'bark' and 'leaf'",
+        "color": "write 'bark: {color: ...}' and 'leaf: {color: ...}'",
+        "at": "'at' stands beside 'krs', not inside it",
+    },
+    "coral": {
+        "height": "write 'limb', the length of the second branch: a coral is about 5 times as high",
+        "angle": "did you mean 'spread'?",
+        "polyps": "did you mean 'buds'?",
+        "material": "a coral has two: 'body' and 'tip'",
+        "color": "write 'body: {color: ...}' and 'tip: {color: ...}'",
+        "at": "'at' stands beside 'krs', not inside it",
+    },
+    "rock": {
+        "size": "did you mean 'radius'?",
+        "color": "write 'material: {color: ...}'",
+        "at": "'at' stands beside 'krs', not inside it",
+    },
+    "terrain": {
+        "height": "write 'slope', how steep it is: hills are as high as that makes them",
+        "width": "did you mean 'size'?",
+        "color": "write 'material: {color: ...}'",
+        "at": "'at' stands beside 'krs', not inside it",
+    },
+    "sponge": {
+        "size": "did you mean 'radius'?",
+        "pores": "write 'levels': each one more makes pores half as large",
+        "color": "write 'material: {color: ...}'",
+        "at": "'at' stands beside 'krs', not inside it",
+    },
+    "fish-school": {
+        "fish": "write 'doublings': there are 8 · 2^doublings fish",
+        "count": "write 'doublings': there are 8 · 2^doublings fish",
+        "number": "write 'doublings': there are 8 · 2^doublings fish",
+        "size": "did you mean 'length'?",
+        "material": "a fish has three materials: 'body', 'fins' and 'eyes'",
+        "color": "a fish has three materials: 'body', 'fins' and 'eyes'",
+        "at": "'at' stands beside 'krs', not inside it",
+    },
+    "palm-leaf": {
+        "size": "did you mean 'length'?",
+        "material": "a palm leaf has two materials: 'leaf' and 'midrib'",
+        "color": "a palm leaf has two materials: 'leaf' and 'midrib'",
+        "at": "'at' stands beside 'krs', not inside it",
+    },
+}
+
+A_LEVEL = "levels: [{mirror: {normal: [1, 0, 0]}}]"
+ONE_LEVEL = f"kernel: {{ball: {{radius: 0.1}}}}, {A_LEVEL}"
+BALL_KERNEL = "{type: sphere, c: [0, 0, 0], r: 1}"
 
 
 def by_matrices(generators: str, domain: str) -> str:
@@ -1289,7 +1359,7 @@ MISTAKES = {
         "geometry: nil\nobjects: [union: [{ball: {radius: 1}}, {slab: {normal: [0, 0, 1], thickness: 1}}]]\n"
         "render: {tracer: relaxed}\n",
         "3:10",
-        "tracer: relaxed needs distances all around; of level planes and empty zones they hold along rays",
+        "tracer: relaxed needs distances all around; that of a level plane holds along the ray",
         "leave it out, or write 'tracer: direct'",
         schema=False,
     ),
@@ -1608,6 +1678,500 @@ MISTAKES = {
     "a hyperbolic forest with a place inside": Mistake(
         a_forest("at: [0, 0, 1]"), "3:31", "unknown key 'at'", "'at' stands beside 'krs', not inside it"
     ),
+    # Sequences
+    "a sequence of nothing": Mistake(
+        a_sequence(""),
+        "3:10",
+        "a sequence needs one of: levels, moebius, record, tree",
+        "for example krs: {tree: {seed: 3}}",
+    ),
+    "a sequence in nil": Mistake(
+        a_sequence(f"{ONE_LEVEL}", "nil"),
+        "3:10",
+        "nil has no mirrors, so that nothing can be doubled by them",
+        "sequences are made in e3, s3, h3, s2xe, h2xe",
+        False,
+    ),
+    "two recipes": Mistake(
+        a_sequence("tree: {}, rock: {}"), "3:21", "a sequence has only one of 'tree' and 'rock'", ""
+    ),
+    "mirrors of a sequence": Mistake(
+        a_sequence("mirrors: []"),
+        "3:11",
+        "unknown key 'mirrors'",
+        "write 'levels: [{mirror: ..., kernel: ...}, ...]', and 'kernel' for the innermost one",
+    ),
+    "a material in a sequence": Mistake(
+        a_sequence(f"{ONE_LEVEL}, material: gold"),
+        "3:83",
+        "unknown key 'material'",
+        "'material' stands beside 'krs', or with a kernel of its levels",
+    ),
+    "a sequence without kernels": Mistake(
+        a_sequence("levels: [{mirror: {normal: [1, 0, 0]}}]"),
+        "3:10",
+        "there is no kernel, so that there is nothing to double",
+        "add 'kernel: {ball: {radius: 0.1}}'",
+        False,
+    ),
+    "a recipe with a kernel": Mistake(
+        a_sequence("tree: {}, kernel: {ball: {radius: 0.1}}"),
+        "3:21",
+        "a recipe or a record brings its kernels with it",
+        "leave kernel out, or write levels",
+        False,
+    ),
+    "a recipe made of something": Mistake(
+        a_sequence("tree: {}, made-of: [{color: red}]"),
+        "3:21",
+        "only the kernels of a record are made of what is listed here",
+        "leave it out",
+        False,
+    ),
+    "a tree in h3": Mistake(
+        a_sequence("tree: {}", "h3"),
+        "3:11",
+        "this is made in e3, not in h3",
+        "write 'levels', with mirrors and kernels",
+        False,
+    ),
+    "a record in h3": Mistake(
+        a_sequence(
+            f"record: {{mirrors: [{{u: [1, 0, 0], w: 1}}], kernels: [{BALL_KERNEL}, {{type: empty}}]}}",
+            "h3",
+        ),
+        "3:11",
+        "this is made in e3, not in h3",
+        "write 'levels', with mirrors and kernels",
+        False,
+    ),
+    "41 levels": Mistake(
+        a_sequence(
+            "kernel: {ball: {radius: 0.1}}, levels: "
+            + f"[{', '.join(['{mirror: {normal: [1, 0, 0]}}'] * 41)}]"
+        ),
+        "3:50",
+        "at most 40 levels; these are 41",
+        "leave some out",
+        False,
+    ),
+    "41 Moebius levels": Mistake(
+        a_sequence(
+            "kernel: {ball: {radius: 0.1}}, moebius: " + f"[{', '.join(['{map: [{move: [1, 0, 0]}]}'] * 41)}]"
+        ),
+        "3:51",
+        "at most 40 levels; these are 41",
+        "leave some out",
+        False,
+    ),
+    "a half-space in a Moebius sequence": Mistake(
+        a_sequence("kernel: {half-space: {}}, moebius: [{map: [{move: [1, 0, 0]}]}]"),
+        "3:20",
+        "a Moebius sequence has bounded kernels only",
+        "write a large ball",
+        False,
+    ),
+    "a half-space that is twisted": Mistake(
+        a_sequence(f"kernel: {{half-space: {{}}}}, {A_LEVEL}, twist: {{angle: 9 deg}}"),
+        "3:20",
+        "a half-space has no bound, and what has none cannot be twisted",
+        "make it an object of its own",
+        False,
+    ),
+    "a terrain that is twisted": Mistake(
+        a_sequence("terrain: {levels: 4}, twist: {angle: 9 deg}"),
+        "3:33",
+        "this terrain has a plane, so no bound, and what has none cannot be twisted",
+        "leave the twist out",
+        False,
+    ),
+    "a forest that is twisted": Mistake(
+        a_sequence("forest: {}, twist: {angle: 9 deg}"),
+        "3:23",
+        "this forest has a plane, so no bound, and what has none cannot be twisted",
+        "write 'ground: false'",
+        False,
+    ),
+    "a record without bound that is twisted": Mistake(
+        a_sequence(
+            "record: {mirrors: [], kernels: [{type: plane, n: [0, 0, 1], h: 0}]}, twist: {angle: 9 deg}"
+        ),
+        "3:80",
+        "this record has a plane, so no bound, and what has none cannot be twisted",
+        "leave the twist out",
+        False,
+    ),
+    "a number for a twist": Mistake(
+        a_sequence(f"{ONE_LEVEL}, twist: 9 deg"),
+        "3:90",
+        "expected a twist, found '9 deg'",
+        "for example twist: {angle: 10 deg}",
+    ),
+    "a number for an empty zone": Mistake(
+        a_sequence(f"{ONE_LEVEL}, empty-zones: 3"),
+        "3:96",
+        "expected an empty zone, found 3",
+        "for example - {radius: 1, at: [0, 0, 2]}",
+    ),
+    "a zone without a radius": Mistake(
+        a_sequence(f"{ONE_LEVEL}, empty-zones: {{at: [0, 0, 1]}}"),
+        "3:96",
+        "an empty zone needs the key 'radius'",
+        "for example - {radius: 1, at: [0, 0, 2]}",
+    ),
+    "a kernel at": Mistake(
+        a_sequence(f"kernel: {{ball: {{radius: 0.1}}, at: [0, 0, 1]}}, {A_LEVEL}"),
+        "3:41",
+        "unknown key 'at'",
+        "'at' belongs inside the ball or leaf: write 'ball: {radius: 0.1, at: [0, 0, 1]}'",
+    ),
+    "a kernel with a color": Mistake(
+        a_sequence(f"kernel: {{ball: {{radius: 0.1}}, color: red}}, {A_LEVEL}"),
+        "3:41",
+        "unknown key 'color'",
+        "write 'material: {color: ...}'",
+    ),
+    "two kernels in one": Mistake(
+        a_sequence(f"kernel: {{ball: {{radius: 0.1}}, half-space: {{}}}}, {A_LEVEL}"),
+        "3:41",
+        "a kernel has only one of 'ball' and 'half-space'",
+        "",
+    ),
+    "a leaf that is too thick": Mistake(
+        a_sequence(f"kernel: {{leaf: {{radius: 0.1, thickness: 0.3}}}}, {A_LEVEL}"),
+        "3:51",
+        "a leaf is at most twice as thick as its radius, 0.1",
+        "write at most 0.2",
+        False,
+    ),
+    "an arc without length": Mistake(
+        a_sequence(
+            f"kernel: {{arc: {{from: [0, 0, 0], through: [0, 1, 1], to: [0, 0, 0], radius: 0.1}}}}, {A_LEVEL}"
+        ),
+        "3:67",
+        "an arc does not end where it begins",
+        "write 'ball' for a ball",
+        False,
+    ),
+    "an arc through a point beyond its ends": Mistake(
+        a_sequence(
+            f"kernel: {{arc: {{from: [0, 0, 0], through: [0, 0, 2], to: [0, 0, 1], radius: 0.1}}}}, {A_LEVEL}"
+        ),
+        "3:52",
+        "no arc leads through a point on the line of its ends that is not between them",
+        "choose a point beside that line, or between the ends",
+        False,
+    ),
+    "a mirror with a negative width": Mistake(
+        a_sequence("kernel: {ball: {radius: 0.1}}, levels: [{mirror: {normal: [1, 0, 0], smooth: -1}}]"),
+        "3:88",
+        "expected a number from 0; this is -1",
+        "write 0 for none",
+        False,
+    ),
+    "a Moebius level with a negative width": Mistake(
+        a_sequence("kernel: {ball: {radius: 0.1}}, moebius: [{map: [{move: [1, 0, 0]}], smooth: -1}]"),
+        "3:87",
+        "expected a number from 0; this is -1",
+        "write 0 for none",
+        False,
+    ),
+    "a level without a mirror": Mistake(
+        a_sequence("kernel: {ball: {radius: 0.1}}, levels: [{}]"),
+        "3:51",
+        "a level needs the key 'mirror'",
+        "for example - {mirror: {normal: [1, 0, 0.3], offset: 0.5}, kernel: {ball: {radius: 0.1}}}",
+    ),
+    "a Moebius level without a map": Mistake(
+        a_sequence("kernel: {ball: {radius: 0.1}}, moebius: [{}]"),
+        "3:52",
+        "a level needs the key 'map'",
+        "for example - {map: [{bend: [0.1, 0, 0]}, {move: [-1, 0, 0]}], kernel: {ball: {radius: 0.1}}}",
+    ),
+    "a map of two steps in one": Mistake(
+        a_sequence("kernel: {ball: {radius: 0.1}}, moebius: [{map: [{move: [1, 0, 0], scale: 2}]}]"),
+        "3:77",
+        "a step of a map has only one of 'move' and 'scale'",
+        "",
+    ),
+    "a number for a record": Mistake(
+        a_sequence("record: 3"),
+        "3:19",
+        "expected a mapping, found 3",
+        "for example record: {mirrors: ",
+    ),
+    "too few materials": Mistake(
+        a_sequence(
+            "record: {mirrors: [{u: [1, 0, 0], w: 1}], "
+            "kernels: [{type: sphere, c: [0, 0, 0], r: 1, mat: 2}, {type: empty}]}, made-of: [{color: red}]"
+        ),
+        "3:133",
+        "the record has a mat 2, and listed are 1, from mat 0",
+        "list 3",
+        False,
+    ),
+    "a forest of too many mirrors": Mistake(
+        a_sequence("forest: {levels: 20, doublings: 24}"),
+        "3:43",
+        "levels, leaves and doublings make 46 mirrors together; at most 40 are possible",
+        "take 6 off 'doublings'",
+        False,
+    ),
+    "a shrub of too many mirrors": Mistake(
+        a_sequence("shrub: {levels: 30, stems: 8, leaves: 8}"),
+        "3:27",
+        "stems, levels and leaves make 45 mirrors together; at most 40 are possible",
+        "take 5 off 'levels'",
+        False,
+    ),
+    "a tree of levels beyond 30": Mistake(
+        a_sequence("tree: {levels: 31}"), "3:26", "levels must be at most 30; this is 31", ""
+    ),
+    "a tree without an angle's unit": Mistake(
+        a_sequence("tree: {spread: 27}"), "3:26", "an angle needs a unit: write '27 deg' or '27 rad'", ""
+    ),
+    "a tree that spreads too far": Mistake(
+        a_sequence("tree: {spread: 61 deg}"),
+        "3:26",
+        "expected an angle from 5 to 60 deg; this is 61 deg",
+        "",
+        False,
+    ),
+    "stems that lie down": Mistake(
+        a_sequence("shrub: {outwards: 71 deg}"),
+        "3:29",
+        "expected an angle from 0 to 70 deg; this is 71 deg",
+        "",
+        False,
+    ),
+    "a forest that rolls": Mistake(
+        a_sequence("forest: {roll: 6 deg}"),
+        "3:26",
+        "expected an angle from 0 to 5 deg; this is 6 deg",
+        "",
+        False,
+    ),
+    "a terrain steeper than its steepest": Mistake(
+        a_sequence("terrain: {slope: 50 deg}"),
+        "3:28",
+        "the slope is 50 deg, and the steepest one has to be steeper",
+        "write more than 50 deg for 'steepest'",
+        False,
+    ),
+    "a terrain of ripples": Mistake(
+        a_sequence("terrain: {levels: 6, ripples: 6}"),
+        "3:41",
+        "of 6 levels at most 5 make ripples",
+        "4 are usual",
+        False,
+    ),
+    "a terrain that leans": Mistake(
+        a_sequence("terrain: {roughness: 16 deg}"),
+        "3:32",
+        "expected an angle from 0 to 15 deg; this is 16 deg",
+        "",
+        False,
+    ),
+    "a form of a terrain": Mistake(
+        a_sequence("terrain: {form: sea}"),
+        "3:27",
+        "'sea' is not one of: land, seabed",
+        "did you mean 'seabed'?",
+    ),
+    "a sponge of layers": Mistake(
+        a_sequence("sponge: {levels: 9, layers: 4}"),
+        "3:39",
+        "of 9 levels at most 2 fold the skin; these are 4",
+        "write 'layers: 2' or 'levels: 11'",
+        False,
+    ),
+    "a rock of 5 levels": Mistake(
+        a_sequence("rock: {levels: 5}"), "3:26", "levels must be at least 6; this is 5", ""
+    ),
+    "a rock too rough": Mistake(
+        a_sequence("rock: {roughness: 3}"), "3:29", "roughness must be at most 2; this is 3", "", False
+    ),
+    "fish too near": Mistake(
+        a_sequence("fish-school: {stagger: 1}"), "3:34", "stagger must be at least 2; this is 1", "", False
+    ),
+    "fish askew": Mistake(
+        a_sequence("fish-school: {askew: 16 deg}"),
+        "3:32",
+        "expected an angle from 0 to 15 deg; this is 16 deg",
+        "",
+        False,
+    ),
+    "a frond of 13 doublings": Mistake(
+        a_sequence("palm-leaf: {doublings: 13}"), "3:34", "doublings must be at most 12; this is 13", ""
+    ),
+    "leaflets that are too long": Mistake(
+        a_sequence("palm-leaf: {leaflets: 1.5}"), "3:33", "leaflets must be at most 1; this is 1.5", "", False
+    ),
+    "relaxed with empty zones": Mistake(
+        a_sequence(f"empty-zones: {{radius: 1}}, {ONE_LEVEL}") + "render: {tracer: relaxed}\n",
+        "4:10",
+        "tracer: relaxed needs distances all around; with empty zones it holds along the ray",
+        "leave it out, or write 'tracer: direct'",
+        False,
+    ),
+    **{
+        f"a record with {name}": Mistake(
+            a_sequence(f"record: {{{text}}}"),
+            "3:19",
+            f"this record makes no sense: {message}",
+            "for example record: {mirrors: ",
+            False,
+        )
+        for name, text, message in (
+            ("nothing", "", "a record of a sequence has 'mirrors' or 'G', and 'kernels'"),
+            ("a key", "mirrors: [], kernels: [], u: 1", "unknown key 'u'; expected mirrors, kernels, smooth"),
+            (
+                "no kernels",
+                "mirrors: [], kernels: []",
+                "0 mirrors and 0 kernels; expected one kernel more than mirrors",
+            ),
+            ("no list", "mirrors: 3, kernels: []", "mirrors is 3; expected a list"),
+            ("a number for a kernel", "mirrors: [], kernels: [3]", "kernel 0 is 3; expected a mapping"),
+            (
+                "a list for a type",
+                "mirrors: [], kernels: [{type: [sphere]}]",
+                "kernel 0 has type ['sphere']; expected one of: empty, sphere, plane, capsule, torcap, lens",
+            ),
+            (
+                "a type",
+                "mirrors: [], kernels: [{type: ball, c: [0, 0, 0], r: 1}]",
+                "kernel 0 has type 'ball'; expected one of: empty, sphere, plane, capsule, torcap, lens",
+            ),
+            (
+                "mat",
+                "mirrors: [], kernels: [{type: sphere, c: [0, 0, 0], r: 1, mat: x}]",
+                "kernel 0 has mat 'x'; expected a whole number from 0",
+            ),
+            (
+                "mat in a curved space",
+                "space: H3, mirrors: [], kernels: [{type: sphere, c: [1, 0, 0, 0], r: 1, mat: -1}]",
+                "kernel 0 has mat -1; expected a whole number from 0",
+            ),
+            ("no center", "mirrors: [], kernels: [{type: sphere, r: 1}]", "kernel 0, a sphere, has no 'c'"),
+            (
+                "two coordinates",
+                "mirrors: [], kernels: [{type: sphere, c: [0, 0], r: 1}]",
+                "c of kernel 0 is [0, 0]; expected 3 finite numbers",
+            ),
+            (
+                "a radius below 0",
+                "mirrors: [], kernels: [{type: sphere, c: [0, 0, 0], r: -1}]",
+                "r of kernel 0 is -1; expected a number greater than 0",
+            ),
+            (
+                "a radius in quotes",
+                "mirrors: [], kernels: [{type: sphere, c: [0, 0, 0], r: '1'}]",
+                "r of kernel 0 is '1'; expected a finite number",
+            ),
+            (
+                "an arc without length",
+                "mirrors: [], kernels: [{type: torcap, p: [0, 0, 0], q: [0, 0, 0], m: [0, 0, 1], r: 1}]",
+                "kernel 0, a torcap, begins where it ends; make it a sphere",
+            ),
+            (
+                "an arc beyond its ends",
+                "mirrors: [], kernels: [{type: torcap, p: [0, 0, 0], q: [0, 0, 1], m: [0, 0, 2], r: 1}]",
+                "m of kernel 0 is on the line through p and q, and not between them",
+            ),
+            (
+                "a leaf without an axis",
+                "mirrors: [], kernels: [{type: lens, c: [0, 0, 0], a: [0, 0, 0], b: 1, h: 1}]",
+                "a of kernel 0 is the zero vector; expected a direction",
+            ),
+            (
+                "a thick leaf",
+                "mirrors: [], kernels: [{type: lens, c: [0, 0, 0], a: [0, 0, 1], b: 1, h: 2}]",
+                "h of kernel 0, half the thickness, is 2, more than the rim radius b, 1",
+            ),
+            (
+                "no normal",
+                f"mirrors: [{{w: 1}}], kernels: [{BALL_KERNEL}, {BALL_KERNEL}]",
+                "mirror 0 has no 'u'",
+            ),
+            (
+                "a zero normal",
+                f"mirrors: [{{u: [0, 0, 0], w: 1}}], kernels: [{BALL_KERNEL}, {BALL_KERNEL}]",
+                "u of mirror 0 is the zero vector; expected a direction",
+            ),
+            (
+                "widths",
+                f"mirrors: [{{u: [1, 0, 0], w: 1}}], smooth: [1, 1], kernels: [{BALL_KERNEL}, {BALL_KERNEL}]",
+                "smooth has 2 widths for 1 levels; expected one for each",
+            ),
+            (
+                "a negative width",
+                f"mirrors: [{{u: [1, 0, 0], w: 1}}], smooth: [-1], kernels: [{BALL_KERNEL}, {BALL_KERNEL}]",
+                "smooth has a negative width; expected numbers from 0",
+            ),
+            (
+                "a kernel too few",
+                f"mirrors: [{{u: [1, 0, 0], w: 1}}], kernels: [{BALL_KERNEL}]",
+                "1 mirrors and 1 kernels; expected one kernel more than mirrors",
+            ),
+            (
+                "only empty kernels",
+                "mirrors: [], kernels: [{type: empty}]",
+                "all kernels are empty: there is nothing to see",
+            ),
+            (
+                "a matrix",
+                f"G: [[[1, 2], [3]]], kernels: [{{type: empty}}, {BALL_KERNEL}]",
+                "G of level 0: expected a 2 x 2 matrix of quaternions of four finite numbers",
+            ),
+            (
+                "a map that leaves space",
+                "G: [[[[1, 0, 0, 0], [1, 0, 0, 0]], [[0, 0, 0, 0], [1, 0, 0, 0]]]], "
+                f"kernels: [{{type: empty}}, {BALL_KERNEL}]",
+                "G of level 0: this Moebius map does not keep R^3: Re(a c*), Re(b d*) or Im(",
+            ),
+            (
+                "a plane that is bent",
+                "G: [], kernels: [{type: plane, n: [0, 0, 1], h: 0}]",
+                "a plane among the kernels of a Moebius sequence; expected bounded ones",
+            ),
+            (
+                "no space",
+                "space: S9, mirrors: [], kernels: []",
+                "space is 'S9'; expected one of: S3, H3, S2xE, H2xE",
+            ),
+        )
+    },
+    "a record of another space": Mistake(
+        a_sequence("record: {space: S3, mirrors: [], kernels: [{type: sphere, c: [1, 0, 0, 0], r: 1}]}"),
+        "3:11",
+        "this record is of s3, and the scene of e3",
+        "write 'levels'",
+        False,
+    ),
+    **{
+        f"a kernel by the name {word}": Mistake(
+            a_sequence(f"kernel: {{{word}: {{}}}}, levels: [{{mirror: {{normal: [1, 0, 0]}}}}]"),
+            "3:20",
+            f"unknown key '{word}'",
+            f"did you mean '{meant}'?",
+        )
+        for word, meant in (
+            ("sphere", "ball"),
+            ("plane", "half-space"),
+            ("lens", "leaf"),
+            ("torcap", "arc"),
+            ("torus", "arc"),
+            ("branch", "arc"),
+            ("cylinder", "capsule"),
+        )
+    },
+    **{
+        f"{key} of a {recipe}": Mistake(
+            a_sequence(f"{recipe}: {{{key}: 1}}"), f"3:{14 + len(recipe)}", f"unknown key '{key}'", help
+        )
+        for recipe, helps in WORDS_OF_RECIPES.items()
+        for key, help in helps.items()
+    },
     # Params
     "unknown param": Mistake(
         an_object("ball: {radius: $rr}") + "params: {r: 1}\n",

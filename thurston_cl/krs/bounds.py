@@ -39,16 +39,12 @@ class Balls:
         images = centers - 2 * side[:, None] * normal
         return Balls(np.vstack([centers, images]), np.append(radii, radii))._merged()
 
-    def mapped(self, image: Callable[[Array, Array], tuple[Array, Array, Array]]) -> "Balls":
-        """Images of the balls under a Moebius map; ValueError where one is turned inside out."""
+    def mapped(self, image: Callable[[Array, Array], tuple[Array, Array, Array]]) -> "Balls | None":
+        """Images of the balls under a Moebius map; None where one is turned inside out."""
         if len(self.radii) == 0:
             return self
         centers, radii, signs = image(self.centers, self.radii)
-        if (signs < 0).any():
-            raise ValueError(
-                "the pole of a map lies within what it maps: part of the model would be infinite"
-            )
-        return Balls(centers, radii)
+        return None if (signs < 0).any() else Balls(centers, radii)
 
     def enclosing(self) -> tuple[Array, float]:
         """A ball (center, radius) that holds all of them; of none a point."""

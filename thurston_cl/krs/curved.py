@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from thurston_cl.krs.kernels import EMPTY, Kernel, number, vector
+from thurston_cl.krs.kernels import EMPTY, Kernel, number, part_of, vector
 from thurston_cl.krs.sequence import Mirror
 from thurston_cl.models import MODEL, PRODUCTS, off_model
 
@@ -60,7 +60,7 @@ class Space:
         """The kernel of a record: a sphere {c, r}; a plane {type: plane, n}, in products also {type: plane,
         height}; a capsule {type: capsule, a, b, r}, in products a vertical one.
         """
-        kind, part = record.get("type", "sphere"), int(record.get("mat", 0))
+        kind, part = record.get("type", "sphere"), part_of(record, what)
         if kind == "empty":
             return EMPTY
         try:
@@ -89,7 +89,7 @@ _SPACES = {
 
 def space_named(name: Any) -> Space:
     """The space that a record names."""
-    if name not in _SPACES:
+    if not isinstance(name, str) or name not in _SPACES:
         raise ValueError(f"space is {name!r}; expected one of: {', '.join(_SPACES)}")
     return _SPACES[name]
 
@@ -126,7 +126,7 @@ def sphere(geometry: str, center: Array, radius: float, part: int) -> Kernel:
             return side + radius
         return (np.arcsin(np.clip(side, -1, 1)) if geometry in ("s3", "s2xe") else np.arcsinh(side)) + radius
 
-    return Kernel("sphere", part, (*center, radius), (center, radius), reach, f"ball of radius {radius:.4g}")
+    return Kernel("sphere", part, (*center, radius), (center, radius), reach, f"ball of radius {radius:.3g}")
 
 
 def plane(geometry: str, mirror: Mirror, part: int) -> Kernel:
@@ -186,7 +186,7 @@ def capsule(geometry: str, a: Array, b: Array, radius: float, part: int) -> Kern
     if not half > 0:
         raise ValueError("a capsule that begins where it ends; make it a ball")
     middle, along = (out[0] for out in g.flow(directions[0, 0], half, base=a))
-    words = f"capsule of length {2 * half:.4g}, radius {radius:.4g}"
+    words = f"capsule over {2 * half:.3g}, radius {radius:.3g}"
     if geometry in PRODUCTS:
         if abs(abs(directions[0, 0, 2]) - 1) > OFF_MODEL:
             raise ValueError(f"in {geometry} a capsule of a sequence is vertical")

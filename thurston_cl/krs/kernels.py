@@ -66,17 +66,22 @@ EMPTY = Kernel("empty", 0, (), None, lambda u: -np.inf, "empty")
 def kernel_of(record: Mapping[str, Any], what: str) -> Kernel:
     """The kernel that a record describes; `what` names it in the message of a ValueError."""
     kind = record.get("type", "sphere")
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise ValueError(f"{what} has type {kind!r}; expected one of: {', '.join(KINDS)}")
     if kind == "empty":
         return EMPTY
+    try:
+        return _MAKERS[kind](_Entries(record, what), part_of(record, what))
+    except KeyError as error:
+        raise ValueError(f"{what}, a {kind}, has no {error.args[0]!r}") from None
+
+
+def part_of(record: Mapping[str, Any], what: str) -> int:
+    """The number of the material of the kernel that a record describes."""
     part = record.get("mat", 0)
     if isinstance(part, bool) or not isinstance(part, (int, np.integer)) or part < 0:
         raise ValueError(f"{what} has mat {part!r}; expected a whole number from 0")
-    try:
-        return _MAKERS[kind](_Entries(record, what), int(part))
-    except KeyError as error:
-        raise ValueError(f"{what}, a {kind}, has no {error.args[0]!r}") from None
+    return int(part)
 
 
 class _Entries:
@@ -136,9 +141,7 @@ def across(axis: Array) -> tuple[Array, Array]:
 
 def _sphere(entries: _Entries, part: int) -> Kernel:
     c, r = entries.vector("c"), entries.positive("r")
-    return Kernel(
-        "sphere", part, (*c, 1.0, r), (c, r), lambda u: float(u @ c) + r, f"sphere of radius {r:.4g}"
-    )
+    return Kernel("sphere", part, (*c, 1.0, r), (c, r), lambda u: float(u @ c) + r, f"ball of radius {r:.3g}")
 
 
 def _plane(entries: _Entries, part: int) -> Kernel:
@@ -152,7 +155,7 @@ def _plane(entries: _Entries, part: int) -> Kernel:
         return h if np.allclose(u, n, rtol=0, atol=1e-12) else np.inf
 
     own = (*n, 0.0, -h, 0.0, *first, 0.0, *second, 0.0)
-    return Kernel("plane", part, own, None, reach, "plane")
+    return Kernel("plane", part, own, None, reach, "half-space")
 
 
 def _capsule(entries: _Entries, part: int) -> Kernel:
@@ -166,7 +169,7 @@ def _capsule(entries: _Entries, part: int) -> Kernel:
         own,
         (middle, half + r),
         lambda u: float(max(u @ a, u @ b)) + r,
-        f"capsule of length {2 * half:.4g}, radius {r:.4g}",
+        f"capsule over {2 * half:.3g}, radius {r:.3g}",
     )
 
 
@@ -223,7 +226,7 @@ def _toroidal_capsule(entries: _Entries, part: int) -> Kernel:
 
     # Within half the chord, or of an arc over half a circle within its circle's radius, of its centre there.
     ball = (0.5 * (p + q), 0.5 * length + r) if cosine >= 0 else (middle - out / curvature, 1 / curvature + r)
-    return Kernel("torcap", part, own, ball, reach, f"toroidal capsule over {length:.4g}, radius {r:.4g}")
+    return Kernel("torcap", part, own, ball, reach, f"arc over {length:.3g}, radius {r:.3g}")
 
 
 # How far m may be off the chord, as a part of its length, for the arc to be straight: rounding.
@@ -248,7 +251,7 @@ def _lens(entries: _Entries, part: int) -> Kernel:
             return float(u @ c) + 1 / curvature - (1 / curvature - half) * steep
         return float(u @ c) + rim * flat
 
-    words = f"lens leaf of radius {rim:.4g}, {2 * half:.4g} thick"
+    words = f"leaf of radius {rim:.3g}, {2 * half:.3g} thick"
     return Kernel("lens", part, own, (c, rim), reach, words)
 
 

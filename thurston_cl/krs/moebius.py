@@ -51,18 +51,20 @@ class Map:
             raise ValueError("expected a 2 x 2 matrix of quaternions of four finite numbers")
         object.__setattr__(self, "matrix", matrix)
         (a, b), (c, d) = matrix
-        size = float(np.max(np.sum(matrix**2, axis=-1)))
-        mixed = product(conjugate(d), a) - product(conjugate(c), b)
-        off = max(
-            abs(product(a, conjugate(c))[0]),
-            abs(product(b, conjugate(d))[0]),
-            float(np.max(np.abs(mixed[1:]))),
-        )
+        with np.errstate(over="ignore", invalid="ignore"):
+            size = float(np.max(np.sum(matrix**2, axis=-1)))
+            mixed = product(conjugate(d), a) - product(conjugate(c), b)
+            off = max(
+                abs(product(a, conjugate(c))[0]),
+                abs(product(b, conjugate(d))[0]),
+                float(np.max(np.abs(mixed[1:]))),
+            )
+            orientation = abs(self.orientation)
         if off > KEEPS_SPACE * size:
             raise ValueError(
                 "this Moebius map does not keep R^3: Re(a c*), Re(b d*) or Im(d* a - c* b) is not 0"
             )
-        if abs(self.orientation) <= KEEPS_SPACE**2 * size:
+        if not orientation > KEEPS_SPACE**2 * size:
             raise ValueError("this Moebius map is not invertible")
 
     @cached_property

@@ -123,8 +123,12 @@ def plane_mirror(normal: Array, offset: float, width: float = 0.0) -> Mirror:
 
 def _map(level: int, matrix: Any) -> moebius.Map:
     try:
-        return moebius.Map(np.asarray(matrix, dtype=np.float64))
-    except (TypeError, ValueError) as error:
+        numbers = np.asarray(matrix, dtype=np.float64)
+    except (TypeError, ValueError):
+        numbers = np.empty(0)
+    try:
+        return moebius.Map(numbers)
+    except ValueError as error:
         raise ValueError(f"G of level {level}: {error}") from None
 
 

@@ -68,6 +68,11 @@ class _Levels:
         """The files of kernels/krs that hold its kernels."""
         return {KINDS[kernel.kind][0] for kernel in self.kernels if not kernel.is_empty}
 
+    @property
+    def bounded(self) -> bool:
+        """Whether each kernel is."""
+        return all(kernel.is_empty or kernel.ball is not None for kernel in self.kernels)
+
     def _check(self, steps: int) -> None:
         if len(self.kernels) != steps + 1:
             raise ValueError(
@@ -102,11 +107,6 @@ class Sequence(_Levels):
         for mirror, kernel in zip(reversed(self.mirrors), reversed(self.kernels[:-1]), strict=True):
             numbers += [*mirror.numbers(self.geometry), *kernel.numbers]
         return numbers
-
-    @property
-    def bounded(self) -> bool:
-        """Whether each kernel is."""
-        return all(kernel.is_empty or kernel.ball is not None for kernel in self.kernels)
 
     @cached_property
     def radius(self) -> float:
@@ -183,6 +183,14 @@ _SPARED = 1.001
 _MOST_CURVED = 1 << 14
 
 
+class PoleError(ValueError):
+    """The map of a level, from 0, has its pole within what it maps."""
+
+    def __init__(self, level: int) -> None:
+        super().__init__("the pole of a map lies within what it maps: part of the model would be infinite")
+        self.level = level
+
+
 @dataclass(frozen=True)
 class MoebiusSequence(_Levels):
     """L_0 = K_0, L_{i+1} = G_i(K_{i+1} u L_i u R L_i) with R: x -> -x, in e3 (KRS paper 7)."""
@@ -196,7 +204,7 @@ class MoebiusSequence(_Levels):
 
     def __post_init__(self) -> None:
         self._check(len(self.maps))
-        if not all(kernel.is_empty or kernel.ball is not None for kernel in self.kernels):
+        if not self.bounded:
             raise ValueError("a plane among the kernels of a Moebius sequence; expected bounded ones")
 
     @property
@@ -261,11 +269,14 @@ class MoebiusSequence(_Levels):
 
     @cached_property
     def _balls(self) -> list[Balls]:
-        """What holds L_0, ..., L_n."""
+        """What holds L_0, ..., L_n; PoleError where one of them is infinite."""
         levels = [Balls.none().with_ball(self.kernels[0].ball)]
-        for map_, kernel in zip(self.maps, self.kernels[1:], strict=True):
+        for i, (map_, kernel) in enumerate(zip(self.maps, self.kernels[1:], strict=True)):
             whole = levels[-1].mirrored(np.array([1.0, 0.0, 0.0]), 0.0).with_ball(kernel.ball)
-            levels.append(whole.mapped(map_.sphere_image))
+            image = whole.mapped(map_.sphere_image)
+            if image is None:
+                raise PoleError(i)
+            levels.append(image)
         return levels
 
     def clipped(self, *, lost: bool = False) -> list[tuple[int, float]]:

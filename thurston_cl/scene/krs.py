@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, ValidationInfo, WithJsonSchema
 
+from thurston_cl.krs.kernels import kernel_of
 from thurston_cl.krs.record import sequence_of
 from thurston_cl.krs.sequence import MOST_LEVELS
 from thurston_cl.models import ISOTROPIC, PRODUCTS
@@ -17,6 +18,7 @@ from .krs_curved import HyperbolicForest
 from .krs_grounds import FishSchool, PalmLeaf, Rock, Sponge, Terrain
 from .krs_plants import Coral, Forest, Shrub, Tree
 from .krs_recipe import Recipe
+from .parse import Location
 from .points import Point
 from .surfaces import Material, MaterialValue, OptionalMaterial
 from .values import Angle, AtLeast, Direction, Number, OneOrMore, Positive, Says, Vec3
@@ -29,7 +31,7 @@ Width = Annotated[Number, AfterValidator(lambda value: _not_negative(value)), Sa
 
 def _not_negative(value: float) -> float:
     if value < 0:
-        raise problem(f"expected a number from 0; this is {shown(value)}")
+        raise problem(f"expected a number from 0; this is {shown(value)}", "write 0 for none")
     return value
 
 
@@ -84,6 +86,16 @@ class KernelArc(Node):
     to: Vec3 = Field(description="The other end.")
     radius: Positive = Field(description="The distance.")
 
+    def check(self, context: Context) -> Iterator[Problem]:
+        if self.start == self.to:
+            yield Problem(("to",), "an arc does not end where it begins", "write 'ball' for a ball")
+            return
+        try:
+            kernel_of({"type": "torcap", "p": self.start, "q": self.to, "m": self.through, "r": 1}, "arc")
+        except ValueError:
+            message = "no arc leads through a point on the line of its ends that is not between them"
+            yield Problem(("through",), message, "choose a point beside that line, or between the ends")
+
 
 class KernelLeaf(Node):
     """A lens-shaped leaf: what two equal balls have in common. In e3."""
@@ -130,6 +142,11 @@ class Kernel(Node):
     material: OptionalMaterial = Field(
         default=None, description="What it is made of. Left out: what the object is made of."
     )
+
+    @property
+    def kind(self) -> str:
+        """Which of the kernels this is, as it is written in a scene."""
+        return next(key for key in self.one_of if getattr(self, self.keys()[key]) is not None)
 
     def check(self, context: Context) -> Iterator[Problem]:
         if context.geometry in (None, "e3"):
@@ -225,7 +242,7 @@ class Twist(Node):
     angle: Angle = Field(description="How far things turn for each unit of height.")
 
 
-class Zone(Node):
+class EmptyZone(Node):
     """A ball out of which the sequence is cut (KRS paper, 8.4)."""
 
     what = "an empty zone"
@@ -238,7 +255,7 @@ class Zone(Node):
 def _zones(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, (list, tuple)):
         return value
-    return (Zone.model_validate(value, context=context_of(info)),)
+    return (EmptyZone.model_validate(value, context=context_of(info)),)
 
 
 class Record:
@@ -344,7 +361,7 @@ class Krs(Node):
     )
     twist: Twist | None = Field(default=None, description="Twist it about its z-axis. In e3.")
     empty_zones: Annotated[
-        tuple[Zone, ...],
+        tuple[EmptyZone, ...],
         BeforeValidator(_zones),
         OneOrMore(),
         Says("an [empty zone](#empty-zone), or a list of them"),
@@ -353,8 +370,13 @@ class Krs(Node):
     @property
     def recipe(self) -> Recipe | None:
         """The recipe that makes it, if any does."""
-        found = (getattr(self, self.keys()[key]) for key in self.one_of)
-        return next((recipe for recipe in found if isinstance(recipe, Recipe)), None)
+        found = getattr(self, self.keys()[self.kind])
+        return found if isinstance(found, Recipe) else None
+
+    @property
+    def kind(self) -> str:
+        """The key by which it is described."""
+        return next(key for key in self.one_of if getattr(self, self.keys()[key]) is not None)
 
     @property
     def materials(self) -> tuple[Material, ...]:
@@ -363,11 +385,13 @@ class Krs(Node):
             return self.recipe.materials
         if self.record is not None:
             return self.made_of
-        named = (kernel.material for _, kernel in self._kernels() if kernel is not None)
+        named = (kernel.material for _, kernel in self.kernels_written() if kernel is not None)
         return tuple(dict.fromkeys(material for material in named if material is not None))
 
     def check(self, context: Context) -> Iterator[Problem]:
         geometry = context.geometry
+        if not any(getattr(self, self.keys()[key]) is not None for key in self.one_of):
+            return
         if geometry is not None and geometry not in MIRRORED:
             message = f"{geometry} has no mirrors, so that nothing can be doubled by them"
             yield Problem((), message, f"sequences are made in {', '.join(MIRRORED)}")
@@ -384,11 +408,11 @@ class Krs(Node):
                 yield Problem(
                     (key,), f"at most {MOST_LEVELS} levels; these are {len(given)}", "leave some out"
                 )
-        if self.kernel is not None and self.levels is None and self.moebius is None:
+        if self.kernel is not None and self.kind not in ("levels", "moebius"):
             message = "a recipe or a record brings its kernels with it"
             yield Problem(("kernel",), message, "leave kernel out, or write levels", True)
         explicit = self.levels is not None or self.moebius is not None
-        if explicit and not any(kernel for _, kernel in self._kernels()):
+        if explicit and not any(kernel for _, kernel in self.kernels_written()):
             message = "there is no kernel, so that there is nothing to double"
             yield Problem((), message, "add 'kernel: {ball: {radius: 0.1}}'")
         if self.made_of and self.record is None:
@@ -397,19 +421,38 @@ class Krs(Node):
         if self.record is not None:
             parts = max(kernel.part for kernel in self.record.sequence.kernels)
             if self.made_of and parts >= len(self.made_of):
-                message = f"the record has mat {parts}, and there are {len(self.made_of)} materials"
+                message = f"the record has a mat {parts}, and listed are {len(self.made_of)}, from mat 0"
                 yield Problem(("made-of",), message, f"list {parts + 1}")
-            if self.record.sequence.geometry != (geometry or self.record.sequence.geometry):
+            if geometry == "e3" and self.record.sequence.geometry != geometry:
                 message = f"this record is of {self.record.sequence.geometry}, and the scene of {geometry}"
                 yield Problem(("record",), message, "write 'levels'", True)
-        if self.moebius is not None:
-            for path, kernel in self._kernels():
-                if kernel is not None and kernel.half_space is not None:
-                    message = "a Moebius sequence has bounded kernels only"
-                    yield Problem((*path, "half-space"), message, "write a large ball", True)
+        for path, kernel in self.kernels_written():
+            if kernel is None or kernel.half_space is None:
+                continue
+            if self.moebius is not None:
+                message = "a Moebius sequence has bounded kernels only"
+                yield Problem((*path, "half-space"), message, "write a large ball", True)
+            elif self.twist is not None:
+                message = "a half-space has no bound, and what has none cannot be twisted"
+                yield Problem((*path, "half-space"), message, "make it an object of its own", True)
+        yield from self._unbounded_twist()
 
-    def _kernels(self) -> Iterator[tuple[tuple[str | int, ...], Kernel | None]]:
-        """Where kernels are written, and they themselves."""
+    def _unbounded_twist(self) -> Iterator[Problem]:
+        """Whether a recipe or a record is twisted that has no bound."""
+        if self.twist is None or not (self.recipe or self.record):
+            return
+        try:
+            made = Record(self.recipe.record()) if self.recipe else self.record
+        except ValueError:
+            # That there is no such thing is told where it is made.
+            return
+        if made is not None and not made.sequence.bounded:
+            message = f"this {self.kind} has a plane, so no bound, and what has none cannot be twisted"
+            help = "write 'ground: false'" if self.kind == "forest" else "leave the twist out"
+            yield Problem(("twist",), message, help, True)
+
+    def kernels_written(self) -> Iterator[tuple[Location, Kernel | None]]:
+        """Kernels of `levels` and `moebius`, the innermost first, with the keys that lead to them."""
         yield ("kernel",), self.kernel
         for index, level in enumerate(self.levels or ()):
             yield ("levels", index, "kernel"), level.kernel

@@ -19,7 +19,7 @@ from .values import Angle, Number, Positive, Ratio, Says, Seed, Weight, color, w
 
 def _not_negative(value: float) -> float:
     if value < 0:
-        raise problem(f"expected a number from 0; this is {shown(value)}")
+        raise problem(f"expected a number from 0; this is {shown(value)}", "write 0 for none")
     return value
 
 

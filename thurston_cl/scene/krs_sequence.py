@@ -1,7 +1,9 @@
 """From what a scene says of a kernel-reflection sequence to the sequence itself, and its materials."""
 
+import contextlib
 import dataclasses
 import functools
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +14,11 @@ from thurston_cl.krs import curved, moebius
 from thurston_cl.krs.kernels import EMPTY, kernel_of
 from thurston_cl.krs.kernels import Kernel as SequenceKernel
 from thurston_cl.krs.sequence import Mirror as SequenceMirror
-from thurston_cl.krs.sequence import MoebiusSequence, Sequence
+from thurston_cl.krs.sequence import MoebiusSequence, PoleError, Sequence
 from thurston_cl.models import ORIGIN, PRODUCTS
 from thurston_cl.scene import schema
 from thurston_cl.scene.krs import Kernel, Krs, MapStep, Mirror, Record
+from thurston_cl.scene.parse import Location
 from thurston_cl.scene.surfaces import Material
 
 Array = NDArray[np.float64]
@@ -46,10 +49,34 @@ class Painted:
         return np.append(center, 1.0), radius
 
 
+class SequenceError(ValueError):
+    """A sequence of a scene that cannot be: what is wrong, which keys of `krs` lead there, and a cure."""
+
+    def __init__(
+        self, message: str, path: Location = (), help: str | None = None, krs: Krs | None = None
+    ) -> None:
+        super().__init__(message)
+        self.path, self.help, self.krs = path, help, krs
+
+
 def painted_sequence(krs: Krs, geometry: Geometry) -> Painted:
-    """The sequence that a scene describes; ValueError where it makes no sense."""
-    painted = _painted(krs, geometry.name, _Points(geometry))
+    """The sequence that a scene describes; SequenceError where it makes no sense."""
+    try:
+        painted = _painted(krs, geometry.name, _Points(geometry))
+    except SequenceError as error:
+        error.krs = krs
+        raise
     return painted if krs.twist is None else dataclasses.replace(painted, twisted=True)
+
+
+@contextlib.contextmanager
+def _reported_at(*path: str | int, help: str | None = None) -> Iterator[None]:
+    """Whatever makes no sense in here is reported at these keys; by itself it may say "wrong; cure"."""
+    try:
+        yield
+    except ValueError as error:
+        message, _, cure = str(error).partition("; ")
+        raise SequenceError(message, path, cure or help) from error
 
 
 class _Points:
@@ -69,6 +96,11 @@ class _Points:
 
         return Placement(self.geometry).point(where)
 
+    def check_near(self, point: Array) -> None:
+        from thurston_cl.scene.placement import Placement
+
+        Placement(self.geometry).check_near(point)
+
     def mirror(
         self,
         normal: tuple[float, float, float],
@@ -78,11 +110,14 @@ class _Points:
     ) -> SequenceMirror:
         """The plane across the geodesic that leaves `at` along the normal, at the signed distance offset."""
         name, start = self.geometry.name, self.point(at)
-        direction = np.array(normal) / np.linalg.norm(normal)
+        # Neither too large nor too small a vector to be squared.
+        direction = np.array(normal) / np.max(np.abs(normal))
+        direction /= np.linalg.norm(direction)
         if name in PRODUCTS and direction[2] != 0:
             height = float(start[3] + offset * direction[2])
             return curved.level_mirror(height, float(direction[2]), width)
         foot, along = (found[0] for found in self.geometry.flow(direction, offset, base=start))
+        self.check_near(foot)
         vector = self.geometry.velocity(foot, along)[0]
         if name == "e3":
             return SequenceMirror(np.array([*vector[:3], 0.0, -float(vector @ foot)]), vector, width)
@@ -91,7 +126,10 @@ class _Points:
 
 @functools.lru_cache(maxsize=64)
 def _painted(krs: Krs, name: str, points: _Points) -> Painted:
-    record = Record(krs.recipe.record()) if krs.recipe is not None else krs.record
+    record = krs.record
+    if krs.recipe is not None:
+        with _reported_at(krs.kind, help="choose another seed"):
+            record = Record(krs.recipe.record())
     if record is not None:
         # Without materials every part is the object's own.
         shift = 1 if krs.materials else None
@@ -99,23 +137,47 @@ def _painted(krs: Krs, name: str, points: _Points) -> Painted:
             dataclasses.replace(kernel, part=0 if shift is None else kernel.part + shift)
             for kernel in record.sequence.kernels
         )
-        return Painted(dataclasses.replace(record.sequence, kernels=kernels), krs.materials)
+        return _without_poles(
+            krs, Painted(dataclasses.replace(record.sequence, kernels=kernels), krs.materials)
+        )
 
-    def made(kernel: Kernel | None) -> SequenceKernel:
+    def made(path: Location, kernel: Kernel | None) -> SequenceKernel:
         if kernel is None:
             return EMPTY
         part = 0 if kernel.material is None else 1 + krs.materials.index(kernel.material)
-        return _kernel(kernel, part, points)
+        with _reported_at(*path, kernel.kind, help=_NEARER):
+            return _kernel(kernel, part, points)
 
+    kernels = tuple(made(path, kernel) for path, kernel in krs.kernels_written())
     if krs.moebius is not None:
-        kernels = (made(krs.kernel), *(made(level.kernel) for level in krs.moebius))
-        maps = tuple(_map(level.map) for level in krs.moebius)
+        maps = []
+        for i, level in enumerate(krs.moebius):
+            with _reported_at(
+                "moebius", i, "map", help="write numbers that are neither so large nor so small"
+            ):
+                maps.append(_map(level.map))
         widths = tuple(level.smooth for level in krs.moebius)
-        return Painted(MoebiusSequence(maps, widths, kernels), krs.materials)
-    levels = krs.levels or ()
-    kernels = (made(krs.kernel), *(made(level.kernel) for level in levels))
-    mirrors = tuple(_mirror(level.mirror, points) for level in levels)
-    return Painted(Sequence(name, mirrors, kernels), krs.materials)
+        return _without_poles(krs, Painted(MoebiusSequence(tuple(maps), widths, kernels), krs.materials))
+    mirrors = []
+    for i, ordinary in enumerate(krs.levels or ()):
+        with _reported_at("levels", i, "mirror", help=_NEARER):
+            mirrors.append(_mirror(ordinary.mirror, points))
+    return Painted(Sequence(name, tuple(mirrors), kernels), krs.materials)
+
+
+_NEARER = "place it nearer to the origin"
+
+
+def _without_poles(krs: Krs, painted: Painted) -> Painted:
+    """A sequence no level of which is infinite."""
+    if isinstance(painted.sequence, MoebiusSequence):
+        try:
+            _ = painted.sequence.radius
+        except PoleError as error:
+            path: Location = (krs.kind,) if krs.moebius is None else ("moebius", error.level, "map")
+            help = "bend less, or move what is bent away from the pole v/|v|² of the bend"
+            raise SequenceError(str(error), path, help) from error
+    return painted
 
 
 def _mirror(mirror: Mirror, points: _Points) -> SequenceMirror:

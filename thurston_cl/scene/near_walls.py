@@ -11,7 +11,7 @@ from thurston_cl.lattice.isometry import SAME_DIGITS, act, compose, fibre, inver
 from thurston_cl.lattice.suspension import Suspension
 from thurston_cl.models import FIBRED, PRODUCTS, TWISTED
 from thurston_cl.scene import schema
-from thurston_cl.scene.krs_sequence import painted_sequence
+from thurston_cl.scene.krs_sequence import SequenceError, painted_sequence
 from thurston_cl.scene.placement import Placement
 
 Array = NDArray[np.float64]
@@ -106,6 +106,8 @@ def images(
             "this manifold does not keep levels, so that a horizontal plane has no place in it; cut a "
             "bounded piece out of it with an intersection, or leave the manifold out"
         )
+    if bounds is None:
+        _check_sequences(solid, place)
     if bounds is None and isinstance(lattice, Suspension):
         _check_lines(solid, frame, lattice, place)
     if near_walls in ("neighbours", "both"):
@@ -247,6 +249,23 @@ def bounds_of(solid: schema.Solid, outer: Array, place: Placement) -> list[_Boun
             return bounds_of(solid.shape[0], frame, place)
         case _:
             return None
+
+
+def _check_sequences(solid: schema.Solid, place: Placement) -> None:
+    """SequenceError if a solid has a sequence of which nobody knows how far it reaches."""
+    if solid.kind == "krs":
+        painted = painted_sequence(solid.shape, place.geometry)
+        if painted.ball is None and painted.sequence.bounded:
+            message = f"these {painted.sequence.instances} kernels are too many to find how far they reach"
+            raise SequenceError(message, help="take levels off, or leave the manifold out", krs=solid.shape)
+        if painted.ball is None:
+            message = "a sequence without bound, for it has a plane, has no place in a manifold"
+            help = "cut a bounded piece out of it with an intersection, or leave the manifold out"
+            raise SequenceError(message, help=help, krs=solid.shape)
+    members = solid.shape if isinstance(solid.shape, tuple) else (solid.shape,)
+    for member in members:
+        if isinstance(member, schema.Solid):
+            _check_sequences(member, place)
 
 
 def _box(members: tuple[schema.Solid, ...], frame: Array) -> list[_Bound] | None:

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.geometry import for_few_points
-from thurston_cl.krs.sequence import MoebiusSequence, Sequence
-from thurston_cl.krs.words import in_short, level_by_level
+from thurston_cl.krs.words import Level, in_short, levels_of, numbered
 from thurston_cl.lattice import cell_table
 from thurston_cl.lattice.prism import Prism
 from thurston_cl.program import Source, geometry_parts
@@ -27,7 +26,7 @@ from thurston_cl.scene.write_light import write_air, write_lights, write_seen
 from thurston_cl.scene.write_objects import needs_clearance, write_objects
 from thurston_cl.scene.write_tracer import write_tracer
 from thurston_cl.scene.write_walls import write_walls
-from thurston_cl.scene.writer import Writer
+from thurston_cl.scene.writer import Named, Writer
 
 # How far a ray goes where the scene does not say. In s3 a ray is back where it began, in s2xe it
 # has been round six times. In h3, h2xe and sl2 nearby directions part like e^t, so that single precision,
@@ -68,7 +67,7 @@ class Plan:
     near_walls: str
     object_images: int
     light_images: int
-    sequences: tuple[Sequence | MoebiusSequence, ...]
+    sequences: tuple[Named, ...]
     asked: Mapping[str, float]
     image_digests: Mapping[str, str]
 
@@ -110,6 +109,11 @@ class Plan:
         return {name: costs[file] for name, file in named.items()}
 
     @property
+    def sequence_levels(self) -> list[list[Level]]:
+        """Of each sequence its levels, the innermost first."""
+        return [levels_of(named.sequence, named.made_of) for named in self.sequences]
+
+    @property
     def numbers(self) -> NDArray[np.float64]:
         """The numbers of the left or only eye."""
         return self.eyes[0]
@@ -131,8 +135,10 @@ class Plan:
             "space": quotient,
             "objects": f"{len(self.scene.objects)}, made of: {', '.join(shapes)}",
             **{
-                f"sequence {k}": "\n".join([in_short(sequence), *level_by_level(sequence)])
-                for k, sequence in enumerate(self.sequences, start=1)
+                f"sequence {k}": "\n".join([in_short(named.sequence), *numbered(levels)])
+                for k, (named, levels) in enumerate(
+                    zip(self.sequences, self.sequence_levels, strict=True), start=1
+                )
             },
             "distance near walls": f"{self.near_walls}, {self.object_images} images of objects over walls",
             "lights": f"{len(self.scene.lights) or 'the default ones'}, {self.light_images} images in all",

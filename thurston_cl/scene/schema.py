@@ -18,6 +18,7 @@ from .camera import Camera, Dome, Equirectangular, Fisheye, Look, Perspective, P
 from .context import Context
 from .effects import AmbientOcclusion, Effects, ExponentialFog, Fog, LinearFog, Reflections
 from .krs import (
+    EmptyZone,
     Kernel,
     KernelArc,
     KernelBall,
@@ -31,7 +32,6 @@ from .krs import (
     Mirror,
     MoebiusLevel,
     Twist,
-    Zone,
 )
 from .lights import HardShadows, Light, PointLight, Shadows, SoftShadows, Sun, Within
 from .manifold import ManifoldValue, MatrixLattice, TorusBundle
@@ -282,6 +282,7 @@ __all__ = [
     "Cylinder",
     "Dome",
     "Effects",
+    "EmptyZone",
     "Equirectangular",
     "ExponentialFog",
     "Fisheye",
@@ -339,5 +340,4 @@ __all__ = [
     "Triplanar",
     "Twist",
     "Within",
-    "Zone",
 ]

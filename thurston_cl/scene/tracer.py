@@ -62,9 +62,8 @@ def _tracer(scene: "Scene") -> Iterator[Problem]:
         yield Problem(place, f"tracer: {name} needs the whole space, and this is a manifold", cure, True)
         return
     if name == "relaxed" and any(_is_directed(solid, geometry) for solid in scene.objects):
-        message = (
-            "tracer: relaxed needs distances all around; of level planes and empty zones they hold along rays"
-        )
+        held = "that of a level plane" if geometry in FIBRED else "with empty zones it"
+        message = f"tracer: relaxed needs distances all around; {held} holds along the ray"
         yield Problem(place, message, cure, True)
     if name == "compound" and geometry not in (*ISOTROPIC, *PRODUCTS):
         message = f"tracer: compound flows along any length at once, which in {geometry} is costly"
@@ -103,4 +102,6 @@ def _is_directed(solid: Solid, geometry: str) -> bool:
     members = solid.shape if isinstance(solid.shape, tuple) else (solid.shape,)
     if any(isinstance(member, Solid) for member in members):
         return any(_is_directed(member, geometry) for member in members)
+    if solid.kind == "krs":
+        return bool(solid.shape.empty_zones)
     return geometry in FIBRED and solid.kind in ("half-space", "slab") and solid.shape.normal[2] != 0

@@ -3,6 +3,7 @@ surface.
 """
 
 import warnings
+from collections.abc import Mapping
 
 from thurston_cl.krs.program import sequence_parts
 from thurston_cl.krs.record import clipping_in_words
@@ -10,7 +11,22 @@ from thurston_cl.krs.sequence import MoebiusSequence
 from thurston_cl.scene.krs import Krs
 from thurston_cl.scene.krs_sequence import painted_sequence
 from thurston_cl.scene.surfaces import Material
-from thurston_cl.scene.writer import Writer
+from thurston_cl.scene.values import Color
+from thurston_cl.scene.writer import Named, Writer
+
+
+def _names(
+    krs: Krs, materials: tuple[Material, ...], named: Mapping[str, Material]
+) -> tuple[str | None, ...]:
+    """What kernels are made of, by their part, in words; None for what the object is made of."""
+    if krs.recipe is not None:
+        return (None, *(role.replace("_", "-") for role in krs.recipe.roles))
+    known = {material: name for name, material in named.items()}
+    return (None, *(known.get(material) or _look(material) for material in materials))
+
+
+def _look(material: Material) -> str:
+    return material.color.written if isinstance(material.color, Color) else "a pattern"
 
 
 def tells_free_balls(writer: Writer, krs: Krs) -> bool:
@@ -31,7 +47,7 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
     if krs.recipe is None and (told := clipping_in_words(sequence, lost=True)):
         # Recipes mean what their mirrors clip.
         warnings.warn(f"sequence {len(writer.sequences) + 1}: {told}", stacklevel=2)
-    writer.sequences.append(sequence)
+    writer.sequences.append(Named(sequence, _names(krs, painted.materials, writer.scene.materials)))
     writer.parts |= set(sequence_parts(sequence.geometry, sequence.name, sequence.kinds))
     name = f"krs_{len(writer.sequences)}"
     place = numbers.add(sequence.numbers)
@@ -39,8 +55,6 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
     distance, way, surface = [f"real d = {kind}_distance(q, scene, {place});"], [], []
     if krs.twist is not None:
         writer.parts.add("krs/twist.h")
-        if not sequence.radius < float("inf"):
-            raise ValueError("a sequence without bound cannot be twisted; leave out what has none")
         radius = sequence.balls.reach_about_axis()
         twist = numbers.add([krs.twist.angle, radius])
         distance = [

@@ -19,8 +19,11 @@ from thurston_cl.lattice.isometry import (
 )
 from thurston_cl.models import FIBRED, ISOTROPIC, LEFT_INVARIANT
 from thurston_cl.scene import schema
+from thurston_cl.scene.krs import Krs
+from thurston_cl.scene.krs_sequence import SequenceError
 from thurston_cl.scene.near_walls import balls_over_walls, bounds_of, images, is_hollow
 from thurston_cl.scene.numbers import components, homogeneous
+from thurston_cl.scene.parse import Location
 from thurston_cl.scene.placement import X_AXIS, Z_AXIS
 from thurston_cl.scene.texels import MOST_LEVELS
 from thurston_cl.scene.write_krs import tells_free_balls, write_krs
@@ -58,6 +61,9 @@ def write_objects(writer: Writer) -> int:
             seen = np.empty((0, 4, 4))
             if writer.lattice is not None:
                 seen = images(solid, outer, writer.near_walls, writer.lattice, writer.place)
+        except SequenceError as error:
+            path = (*written, *_keys_to(solid, error.krs), *error.path)
+            raise writer.scene.error_at(path, str(error), error.help) from error
         except ValueError as error:
             raise writer.scene.error_at((*written, "at"), str(error)) from error
         writer.function(
@@ -107,6 +113,20 @@ def write_objects(writer: Writer) -> int:
     return count
 
 
+def _keys_to(solid: schema.Solid, krs: Krs | None) -> Location:
+    """The keys that lead from a solid to a sequence in it."""
+    shape, kind = solid.shape, solid.kind
+    if shape is krs:
+        return (kind,)
+    inside: list[tuple[Location, schema.Solid]] = []
+    if isinstance(shape, tuple):
+        inside = [((kind, k), member) for k, member in enumerate(shape)]
+    elif isinstance(shape, schema.Solid):
+        inside = [((kind,), shape)]
+    found = ((*keys, *_keys_to(member, krs)) for keys, member in inside)
+    return next((keys for keys in found if keys[-1] == "krs"), ())
+
+
 def _unless_skipped(k: int, lines: list[str]) -> list[str]:
     """Lines for object k, a lamp, which its own light does not meet."""
     return [f"if (scene.skipped != {k}) {{", *(f"  {line}" for line in lines), "}"]
@@ -117,7 +137,9 @@ def needs_clearance(writer: Writer) -> bool:
     scene = writer.scene
     soft = any(light.shadows is not None and light.shadows.soft is not None for light in scene.lights)
     occlusion = scene.effects.ambient_occlusion is not None
-    return ((soft or occlusion) and writer.directed) or (occlusion and writer.near_walls == "images")
+    # One ray is marched for a block of pixels.
+    around = soft or occlusion or scene.render.start == "block"
+    return (around and writer.directed) or (occlusion and writer.near_walls == "images")
 
 
 def _clearance(

@@ -52,6 +52,14 @@ def shape_parts(geometry: str, shapes: Iterable[str]) -> set[str]:
     return parts
 
 
+@dataclass(frozen=True)
+class Named:
+    """A sequence, and by the part of its kernels what they are made of, in words; None: as the object."""
+
+    sequence: "Sequence | MoebiusSequence"
+    made_of: tuple[str | None, ...]
+
+
 @dataclass
 class Writer:
     """Collects functions, the numbers they read and the kernel files they call. Formulas stay in `kernels/`.
@@ -76,7 +84,7 @@ class Writer:
     clearances: int = 0
     lines: list[str] = field(default_factory=list)
     seen_from: list[Array] = field(default_factory=list)
-    sequences: "list[Sequence | MoebiusSequence]" = field(default_factory=list)
+    sequences: "list[Named]" = field(default_factory=list)
     # By object: whether the ball about p of a radius is free of it.
     free: dict[int, str] = field(default_factory=dict)
     # Names of sequences whose distance holds along the ray alone.
