@@ -17,10 +17,11 @@ from .base import Problem
 from .context import Context
 from .krs_recipe import Recipe, within
 from .surfaces import Material, MaterialValue
-from .values import Angle, Flag, Positive, Ratio, Says, Seed, Weight, color, whole_number
+from .values import Angle, Flag, Number, Positive, Ratio, Says, Seed, Weight, color, whole_number
 
 Levels = Annotated[int, Ge(1), Le(30), BeforeValidator(whole_number), Says("whole number from 1 to 30")]
 Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole number from 0 to 8")]
+Reach = Annotated[Number, Ge(0), Le(20), Says("number from 0 to 20")]
 Doublings = Annotated[int, Ge(1), Le(24), BeforeValidator(whole_number), Says("whole number from 1 to 24")]
 # Wider forks, or branches that turn back, would go through those before them.
 Spread = Annotated[Angle, within(5, 60), Says("angle from 5 deg to 60 deg")]
@@ -211,7 +212,7 @@ class Coral(Plant):
     what = "a coral"
     example = "coral: {seed: 3, body: {color: coral}, tip: {color: seashell}}"
     roles = ("body", "tip")
-    counted = ("levels", "buds")
+    counted = ("stems", "levels", "buds")
     hints: ClassVar[Mapping[str, str]] = {
         "height": "write 'limb', the length of the second branch: a coral is about 5 times as high",
         "angle": "did you mean 'spread'?",
@@ -221,6 +222,9 @@ class Coral(Plant):
         "at": "'at' stands beside 'krs', not inside it",
     }
 
+    stems: Few = Field(
+        default=0, description="How often stems out of the ground are doubled: 2 are 4 stems side by side."
+    )
     levels: Levels = Field(
         default=10,
         description="How many branches follow each other from the ground to a tip, both included. Each level "
@@ -242,6 +246,11 @@ class Coral(Plant):
     upright: Weight = Field(default=0.5, description=_UPRIGHT.format("balls"))
     buds: Few = Field(
         default=2, description="How often the buds around a tip are doubled: 2^(buds + 1) − 2 of them."
+    )
+    tip_length: Reach = Field(
+        default=0.0,
+        alias="tip-length",
+        description="By how much a tip is drawn out into a finger, in diameters of its branch; 0 is a ball.",
     )
     seed: Seed = Field(default=0, description=_SEED.format("coral"))
     body: MaterialValue = _material(_BODY, "branches and buds", "red")
