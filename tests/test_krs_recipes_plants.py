@@ -217,6 +217,31 @@ def test_a_coral_ends_in_a_tip_and_has_buds_around_it() -> None:
     assert len(coral(buds=0)["mirrors"]) == len(record["mirrors"]) - 2
 
 
+def test_a_tip_of_a_coral_may_be_a_finger() -> None:
+    record = coral(buds=0, tip_length=1.5)
+    twig, along = route(record)[-1], chords(record)[-1]
+    finger = record["kernels"][0]
+    assert (finger["type"], finger["a"], finger["mat"]) == ("capsule", twig["q"], 1)
+    # It goes on where the twig ends, as in the mirror at its foot, which therefore doubles nothing.
+    drawn = np.subtract(finger["b"], finger["a"])
+    np.testing.assert_allclose(drawn, 3 * twig["r"] * along, atol=1e-12)
+    assert abs(normals(record)[0] @ along) < 1e-12
+
+
+def test_stems_of_a_coral_grow_side_by_side_out_of_the_ground() -> None:
+    record = coral(stems=2, seed=3)
+    around = normals(record)[::-1][:2]
+    assert (offsets(record)[::-1][:2] == 0).all()
+    assert (np.abs(around[:, 2]) < 0.09).all()
+    assert [kernel["type"] for kernel in record["kernels"][-2:]] == ["empty", "empty"]
+    foot, fork = (np.array(route(record)[0][key]) for key in "pq")
+    # On the side that is doubled, below the ground, leaning away from the middle.
+    assert (around @ foot < 0).all()
+    assert (around @ fork < 0).all()
+    assert foot[2] < 0 < fork[2]
+    assert np.linalg.norm(fork[:2]) > np.linalg.norm(foot[:2])
+
+
 def test_a_shrub_has_its_stems_in_the_last_of_equal_sectors() -> None:
     """Every mirror around the middle halves what the mirrors before it leave of the circle."""
     record = shrub(stems=4, seed=7)
@@ -372,7 +397,7 @@ OTHER: dict[str, dict[str, Any]] = {
     "tree": {"spread": "20 deg", "upright": 0.4, "leaf-size": 0.3},
     "shrub": {"stems": 2, "outwards": "40 deg", "stem": 0.7, "leaf-size": 0.1},
     "forest": {"ground": False, "doublings": 3, "spread": "20 deg", "scatter": "5 deg"},
-    "coral": {"limb": 0.5, "taper": 0.8, "buds": 1, "turn": "90 deg"},
+    "coral": {"limb": 0.5, "taper": 0.8, "buds": 1, "turn": "90 deg", "stems": 2, "tip-length": 1.5},
 }
 
 

@@ -480,3 +480,18 @@ def test_as_many_objects_as_may_be_marched_by_themselves() -> None:
     balls = tuple((center, 0.2) for center in centers[: MOST_COMPONENTS - 1])
     want, got = picture(way("direct"), balls=balls), picture(way("compound"), balls=balls)
     assert np.mean(want.channels["object"] != got.channels["object"]) < 0.002
+
+
+@pytest.mark.parametrize(("tracer", "start"), WAYS)
+def test_the_background_is_seen_where_nothing_is_near(tracer: str, start: str) -> None:
+    """A ray that no object may stop is marched all the same: black is what lies outside a round picture."""
+    scene = load_text(
+        "geometry: e3\ncamera: {at: [0, -6, 0], look: {to: [0, 0, 0]}}\nbackground: white\nobjects:\n"
+        "  - {ball: {radius: 0.3}, at: [-1, 0, 0]}\n  - {ball: {radius: 0.3}, at: [1, 0, 0]}\n"
+        f"render: {{tracer: {tracer}, start: {start}}}\n"
+    )
+    image = render(scene, size=SIZE, samples=1)
+    assert image.statistics["rays"] == SIZE[0] * SIZE[1]
+    missed = image.channels["object"] == 0
+    assert np.mean(missed) > 0.9
+    np.testing.assert_array_equal(image.channels["beauty"][missed], 1)

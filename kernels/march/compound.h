@@ -130,5 +130,7 @@ FN ray march_step(ray r, progress *at, real limit, int max_steps, scene_data sce
   r.spent |= ended & NOT(at->met) & (at->end < most);
   r.active &= NOT(ended);
   r.steps += SELECT(at->asked & r.active, REAL(1), REAL(0));
+  // A ray that ends far away without a step has made one: it is known to be marched (rendering.py).
+  r.steps = SELECT(ended & NOT(r.hit), fmax(r.steps, REAL(1)), r.steps);
   return r;
 }

@@ -22,6 +22,7 @@ from .values import Angle, Flag, Number, Positive, Ratio, Says, Seed, Weight, co
 
 Levels = Annotated[int, Ge(1), Le(30), BeforeValidator(whole_number), Says("whole number from 1 to 30")]
 Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole number from 0 to 8")]
+Reach = Annotated[Number, Ge(0), Le(20), Says("number from 0 to 20")]
 Doublings = Annotated[int, Ge(1), Le(24), BeforeValidator(whole_number), Says("whole number from 1 to 24")]
 Bent = Annotated[Number, Ge(0), Le(0.6), Says("number from 0 to 0.6")]
 # Wider forks, or branches that turn back, would go through those before them.
@@ -213,7 +214,7 @@ class Coral(Plant):
     what = "a coral"
     example = "coral: {seed: 3, body: {color: coral}, tip: {color: seashell}}"
     roles = ("body", "tip")
-    counted = ("levels", "buds")
+    counted = ("stems", "levels", "buds")
     hints: ClassVar[Mapping[str, str]] = {
         "height": "write 'limb', the length of the second branch: a coral is about 5 times as high",
         "angle": "did you mean 'spread'?",
@@ -223,6 +224,9 @@ class Coral(Plant):
         "at": "'at' stands beside 'krs', not inside it",
     }
 
+    stems: Few = Field(
+        default=0, description="How often stems out of the ground are doubled: 2 are 4 stems side by side."
+    )
     levels: Levels = Field(
         default=10,
         description="How many branches follow each other from the ground to a tip, both included. Each level "
@@ -250,6 +254,11 @@ class Coral(Plant):
         description="How strongly each part is bent and scaled in its own way, so that no branch equals "
         "another: 0.2 shows, 0.6 is wild. With 0 branches are mirror images of each other; with more it is "
         "a [Moebius sequence](#moebius-level), which takes longer.",
+    )
+    tip_length: Reach = Field(
+        default=0.0,
+        alias="tip-length",
+        description="By how much a tip is drawn out into a finger, in diameters of its branch; 0 is a ball.",
     )
     seed: Seed = Field(default=0, description=_SEED.format("coral"))
     body: MaterialValue = _material(_BODY, "branches and buds", "red")

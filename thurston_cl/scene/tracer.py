@@ -102,6 +102,4 @@ def _is_directed(solid: Solid, geometry: str) -> bool:
     members = solid.shape if isinstance(solid.shape, tuple) else (solid.shape,)
     if any(isinstance(member, Solid) for member in members):
         return any(_is_directed(member, geometry) for member in members)
-    if solid.kind == "krs":
-        return bool(solid.shape.empty_zones)
     return geometry in FIBRED and solid.kind in ("half-space", "slab") and solid.shape.normal[2] != 0

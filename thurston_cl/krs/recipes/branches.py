@@ -203,8 +203,8 @@ def rosette(
     """Mirrors and kernels, outermost first, for what grows around the last twig of a route.
 
     Each mirror halves the sector around the twig. It leans a little along it, away from its kernel, or else
-    all copies of a kernel would be in one ring. `grown(level, outwards)` is a kernel with a center "c", for
-    the middle of what is left."""
+    all copies of a kernel would be in one ring. `grown(level, outwards)` is a kernel with a center "c", or that
+    begins at "a", for the middle of what is left."""
     binormal, end = np.cross(route.along, route.side), route.forks[-1]
 
     def around(azimuth: float) -> Vector:
@@ -213,8 +213,9 @@ def rosette(
     mirrors, kernels = [], []
     for level, (normal, middle) in enumerate(sectors(rng, levels)):
         kernel = grown(level, around(middle))
-        ahead = float((np.array(kernel["c"]) - end) @ route.along)
-        lean = -math.copysign(rng.uniform(0.0, 0.3), ahead)
+        ahead = float((np.array(kernel["c" if "c" in kernel else "a"]) - end) @ route.along)
+        # What begins at the end goes on along the twig: it stays one with its image.
+        lean = -np.sign(ahead) * rng.uniform(0.0, 0.3)
         mirrors.append(Mirror.through(end, unit(around(normal) + lean * route.along)))
         kernels.append(kernel)
     return mirrors, kernels

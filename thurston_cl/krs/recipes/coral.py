@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from .branches import UP, Habit, Record, Vector, best_walk, record, rosette, walk
+from .branches import UP, Habit, Mirror, Record, Vector, best_walk, record, rosette, sectors, unit, walk
 
 # Radii, in that of the last branch: of its tip and of its buds; and how far buds are from its axis.
 _TIP = 1.12
@@ -12,8 +12,16 @@ _BUD = 0.45
 _BESIDE = 0.9
 
 
+# Of a tip that is drawn out, in the same: it hardly bulges.
+_FINGER = 1.04
+# How far the mirrors around the middle lean at most, and stems outwards, radians.
+_LEAN = 0.08
+_OUTWARDS = math.radians(25)
+
+
 def coral(
     *,
+    stems: int = 0,
     levels: int = 10,
     spread: float = math.radians(34),
     widen: float = 0.0,
@@ -28,11 +36,13 @@ def coral(
     upright: float = 0.5,
     loose: float = 0.5,
     buds: int = 2,
+    tip_length: float = 0.0,
     seed: int = 0,
 ) -> Record:
     """The record of a coral at the origin of the ground z = 0, about 5 limbs high and 7 wide.
 
-    levels     branches from the ground to a tip, both included; there are 2^levels - 1 in all
+    stems      how often stems are doubled: 2^stems grow out of the ground side by side
+    levels     branches from the ground to a tip, both included; there are 2^levels - 1 on a stem
     spread     half the angle of the first fork, radians
     widen      by how much more the last fork has, radians
     lean       about how far mirrors lean from the branch before them, radians
@@ -46,10 +56,11 @@ def coral(
     upright    from 0, branches curl around, to 1, all of them grow upwards
     loose      how random all this is, from 0 to 1
     buds       levels of buds: a tip has 2^(buds + 1) - 2 of them around it
+    tip_length by how much a tip is drawn out into a finger, in diameters of its branch
     seed       of the random numbers
 
     Lengths are in units of the scene. "mat" is 0 for branches and buds, and 1 for tips. The record has
-    levels + buds mirrors; ValueError if that is too many."""
+    stems + levels + buds mirrors; ValueError if that is too many."""
     habit = Habit(
         levels=levels,
         spread=spread,
@@ -67,15 +78,26 @@ def coral(
     )
     rng = np.random.default_rng(seed)
     # The foot is below the ground: its round end is not seen.
-    foot = np.array([0.0, 0.0, -thickness])
-    route = best_walk(lambda: walk(rng, foot, UP, habit))
+    foot, along = np.array([0.0, 0.0, -thickness]), UP
+    around = []
+    for normal, middle in sectors(rng, stems) if stems else ():
+        leaning = unit(np.array([math.cos(normal), math.sin(normal), rng.uniform(-_LEAN, _LEAN)]))
+        around.append(Mirror(leaning, 0.0))
+        horizontal = np.array([math.cos(middle), math.sin(middle), 0.0])
+        foot = np.array([0.0, 0.0, -thickness]) + 0.7 * thickness * horizontal
+        along = math.sin(_OUTWARDS) * horizontal + math.cos(_OUTWARDS) * UP
+    route = best_walk(lambda: walk(rng, foot, along, habit), around)
     end, radius = route.forks[-1], route.kernels[-1]["r"]
 
-    def sphere(level: int, outwards: Vector) -> Record:
-        if level == buds:
+    def grown(level: int, outwards: Vector) -> Record:
+        if level < buds:
+            center = end - 1.3 * (buds - level) * radius * route.along + _BESIDE * radius * outwards
+            return {"type": "sphere", "c": center.tolist(), "r": _BUD * radius, "mat": 0}
+        if tip_length == 0:
             return {"type": "sphere", "c": end.tolist(), "r": _TIP * radius, "mat": 1}
-        center = end - 1.3 * (buds - level) * radius * route.along + _BESIDE * radius * outwards
-        return {"type": "sphere", "c": center.tolist(), "r": _BUD * radius, "mat": 0}
+        drawn = end + 2 * tip_length * radius * route.along
+        return {"type": "capsule", "a": end.tolist(), "b": drawn.tolist(), "r": _FINGER * radius, "mat": 1}
 
-    mirrors, kernels = rosette(rng, route, buds + 1, sphere)
-    return record([*route.mirrors, *mirrors], [*route.kernels, *kernels])
+    mirrors, kernels = rosette(rng, route, buds + 1, grown)
+    nothing: list[Record] = [{"type": "empty"}] * stems
+    return record([*around, *route.mirrors, *mirrors], [*nothing, *route.kernels, *kernels])
