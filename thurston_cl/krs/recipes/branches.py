@@ -202,9 +202,10 @@ def rosette(
 ) -> tuple[list[Mirror], list[Record]]:
     """Mirrors and kernels, outermost first, for what grows around the last twig of a route.
 
-    Each mirror halves the sector around the twig. It leans a little along it, away from its kernel, or else
-    all copies of a kernel would be in one ring. `grown(level, outwards)` is a kernel with a center "c", or that
-    begins at "a", for the middle of what is left."""
+    Each mirror halves the sector around the twig. It leans a little along it, away from its kernel, or
+    else all copies of a kernel would be in one ring. `grown(level, outwards)` is a kernel with a center
+    "c", or that begins at "a", for the middle of what is left.
+    """
     binormal, end = np.cross(route.along, route.side), route.forks[-1]
 
     def around(azimuth: float) -> Vector:
