@@ -1989,10 +1989,10 @@ MISTAKES = {
         a_sequence("rock: {levels: 5}"), "3:26", "levels must be at least 6; this is 5", ""
     ),
     "a rock too rough": Mistake(
-        a_sequence("rock: {roughness: 3}"), "3:29", "roughness must be at most 2; this is 3", "", False
+        a_sequence("rock: {roughness: 3}"), "3:29", "roughness must be at most 2; this is 3", ""
     ),
     "fish too near": Mistake(
-        a_sequence("fish-school: {stagger: 1}"), "3:34", "stagger must be at least 2; this is 1", "", False
+        a_sequence("fish-school: {stagger: 1}"), "3:34", "stagger must be at least 2; this is 1", ""
     ),
     "fish askew": Mistake(
         a_sequence("fish-school: {askew: 16 deg}"),
@@ -2005,7 +2005,7 @@ MISTAKES = {
         a_sequence("palm-leaf: {doublings: 13}"), "3:34", "doublings must be at most 12; this is 13", ""
     ),
     "leaflets that are too long": Mistake(
-        a_sequence("palm-leaf: {leaflets: 1.5}"), "3:33", "leaflets must be at most 1; this is 1.5", "", False
+        a_sequence("palm-leaf: {leaflets: 1.5}"), "3:33", "leaflets must be at most 1; this is 1.5", ""
     ),
     "relaxed with empty zones": Mistake(
         a_sequence(f"empty-zones: {{radius: 1}}, {ONE_LEVEL}") + "render: {tracer: relaxed}\n",

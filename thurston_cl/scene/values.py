@@ -46,7 +46,7 @@ class Also:
         return {"anyOf": [*map(dict, self.schemas), handler(schema)]}
 
 
-def _number(value: object) -> float:
+def number(value: object) -> float:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return float(value)
     help = None
@@ -67,10 +67,10 @@ def _number(value: object) -> float:
 
 
 def whole_number(value: object) -> int:
-    number = _number(value)
-    if not number.is_integer():
+    given = number(value)
+    if not given.is_integer():
         raise problem(f"expected a whole number, found {shown(value)}")
-    return int(number)
+    return int(given)
 
 
 def _flag(value: object) -> bool:
@@ -82,12 +82,12 @@ def _flag(value: object) -> bool:
 
 
 # The bounds stand before the validators, next to the plain type: only there do they reach the JSON Schema.
-Number = Annotated[float, BeforeValidator(_number), Says("number")]
-Positive = Annotated[float, Gt(0), BeforeValidator(_number), Says("number > 0")]
-Fraction = Annotated[float, Gt(0), Lt(1), BeforeValidator(_number), Says("number between 0 and 1")]
-Weight = Annotated[float, Ge(0), Le(1), BeforeValidator(_number), Says("number from 0 to 1")]
-Ratio = Annotated[float, Ge(0.4), Le(1), BeforeValidator(_number), Says("number from 0.4 to 1")]
-Cosine = Annotated[float, Ge(-1), Le(1), BeforeValidator(_number), Says("number from -1 to 1")]
+Number = Annotated[float, BeforeValidator(number), Says("number")]
+Positive = Annotated[float, Gt(0), BeforeValidator(number), Says("number > 0")]
+Fraction = Annotated[float, Gt(0), Lt(1), BeforeValidator(number), Says("number between 0 and 1")]
+Weight = Annotated[float, Ge(0), Le(1), BeforeValidator(number), Says("number from 0 to 1")]
+Ratio = Annotated[float, Ge(0.4), Le(1), BeforeValidator(number), Says("number from 0.4 to 1")]
+Cosine = Annotated[float, Ge(-1), Le(1), BeforeValidator(number), Says("number from -1 to 1")]
 Count = Annotated[int, Ge(1), BeforeValidator(whole_number), Says("whole number ≥ 1")]
 Pixels = Annotated[int, Ge(1), Le(16384), BeforeValidator(whole_number)]
 Samples = Annotated[int, Ge(1), Le(4096), BeforeValidator(whole_number), Says("whole number from 1 to 4096")]
@@ -98,7 +98,7 @@ Steps = Annotated[
     int, Ge(1), Le(100_000), BeforeValidator(whole_number), Says("whole number from 1 to 100000")
 ]
 
-Exposure = Annotated[float, Ge(-32), Le(32), BeforeValidator(_number), Says("number from -32 to 32")]
+Exposure = Annotated[float, Ge(-32), Le(32), BeforeValidator(number), Says("number from -32 to 32")]
 
 Flag = Annotated[bool, BeforeValidator(_flag), Says("`true` or `false`")]
 
@@ -111,8 +111,8 @@ def _angle(value: object) -> float:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         raise problem(f"an angle needs a unit: write '{value:g} deg' or '{value:g} rad'")
     if isinstance(value, str) and re.match(_ANGLE_PATTERN, value):
-        number, unit = re.split(r"(?=deg|rad|turn)", value.strip())
-        angle = float(number) * _UNITS[unit]
+        amount, unit = re.split(r"(?=deg|rad|turn)", value.strip())
+        angle = float(amount) * _UNITS[unit]
         if math.isfinite(angle):
             return angle
     near = re.fullmatch(r"\s*([-+.\deE]+)\s*([a-zA-Zπ°]+)\s*", value) if isinstance(value, str) else None
@@ -275,8 +275,8 @@ SquareCount = Annotated[
 def _lengths(value: object) -> object:
     if isinstance(value, (list, tuple)):
         return list_of(2, "[w, h]")(value)
-    number = _number(value)
-    return number, number
+    length = number(value)
+    return length, length
 
 
 TwoLengths = Annotated[
@@ -348,14 +348,14 @@ _COLOR_FUNCTION = r"\s*(rgb|hsl|hsv|hwb|lab|lch|oklab|oklch|color)a?\s*\("
 def _without_function(value: str) -> str:
     """The cure for a color written as a function of CSS: its code, if that is plain."""
     numbers = re.fullmatch(r"\s*rgb\(\s*(\d+)[\s,]+(\d+)[\s,]+(\d+)\s*\)\s*", value, re.IGNORECASE)
-    if numbers and max(int(number) for number in numbers.groups()) <= 255:
-        return f'write "#{bytes(int(number) for number in numbers.groups()).hex()}"'
+    if numbers and max(map(int, numbers.groups())) <= 255:
+        return f'write "#{bytes(map(int, numbers.groups())).hex()}"'
     return 'functions are not read: write a CSS name, "#rrggbb" or linear [red, green, blue]'
 
 
 def _linear_color(value: list[object]) -> tuple[float, float, float]:
     list_of(3, "[red, green, blue]")(value)
-    numbers = [_number(component) for component in value]
+    numbers = [number(component) for component in value]
     if min(numbers) < 0:
         raise problem("the components of a color are at least 0")
     return numbers[0], numbers[1], numbers[2]
