@@ -91,6 +91,20 @@ def test_rock_is_bounded(seed: int, roughness: float, levels: int) -> None:
         assert model.distance(2 * radii * outwards).min() > 0
 
 
+def test_rock_is_as_smooth_where_facets_are_small() -> None:
+    """Widths are in proportion to what mirrors halve: about 1 for whole directions, and less and less."""
+    record = rock(seed=2, levels=18)
+    points, ratios = directions(4000), []
+    for mirror, width in zip(reversed(record["mirrors"]), reversed(record["smooth"]), strict=True):
+        heights = points @ mirror["u"] - mirror["w"]
+        ratios.append(width / heights.std())
+        points = points - 2 * np.maximum(heights, 0)[:, None] * mirror["u"]
+    np.testing.assert_allclose(ratios, 0.3, rtol=0.1)
+    assert record["smooth"][0] < 0.05 * record["smooth"][-1]
+    assert set(rock(smooth=0)["smooth"]) == {0}
+    np.testing.assert_allclose(rock(smooth=2)["smooth"], 2 * np.array(rock()["smooth"]), rtol=1e-12)
+
+
 def heights(model: Model, where: Array, above: float) -> Array:
     """Heights (N,) of a surface over points (N, 2), by sphere tracing down from above it."""
     points = np.column_stack([where, np.full(len(where), above)])

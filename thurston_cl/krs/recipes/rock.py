@@ -16,6 +16,8 @@ _NEAREST = 0.6
 # Between which spheres about the origin the surface lies, in radii.
 INNERMOST, OUTERMOST = 0.4, 1.8
 _ATTEMPTS = 150
+# Over how much of the standard deviation of what it halves shading is smooth at a mirror.
+_SMOOTH = 0.3
 
 
 def rock(
@@ -49,10 +51,13 @@ def _attempt(
     if farthest_turn(directions, mirrors, outward) < _NEAREST:
         return None
     inside, outside = INNERMOST * directions, OUTERMOST * directions
+    widths, folded = [], directions
     for normal, offset in mirrors:
+        # In proportion to what the mirror halves: the innermost facets are as smooth as the whole.
+        widths.append(_SMOOTH * smooth * float((folded @ normal).std()))
+        folded = fold(folded, normal, offset)
         inside, outside = fold(inside, normal, offset), fold(outside, normal, offset)
     if not (inside @ outward).max() < height < (outside @ outward).min():
         return None
     plane = {"type": "plane", "n": outward.tolist(), "h": radius * height, "mat": 0}
-    widths = [0.07 * smooth * 0.68**i for i in range(levels)]
     return sequence(mirrors, {0: plane}, radius, widths)
