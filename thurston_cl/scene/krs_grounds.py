@@ -17,7 +17,7 @@ from .base import Problem
 from .context import Context
 from .krs_recipe import Recipe, within
 from .surfaces import Material, MaterialValue
-from .values import Angle, Number, Positive, Says, Seed, Weight, color, whole_number
+from .values import Angle, Number, Positive, Says, Seed, Taper, Weight, color, whole_number
 
 RockLevels = Annotated[int, Ge(6), Le(40), BeforeValidator(whole_number), Says("whole number from 6 to 40")]
 LandLevels = Annotated[int, Ge(4), Le(40), BeforeValidator(whole_number), Says("whole number from 4 to 40")]
@@ -26,7 +26,6 @@ Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole nu
 Doublings = Annotated[int, Ge(1), Le(12), BeforeValidator(whole_number), Says("whole number from 1 to 12")]
 Strength = Annotated[Number, Ge(0), Le(2), Says("number from 0 to 2")]
 PartOf = Annotated[Number, Ge(0.05), Le(1), Says("number from 0.05 to 1")]
-Taper = Annotated[Number, Ge(0), Le(4), Says("number from 0 to 4")]
 Apart = Annotated[Number, Ge(2), Le(10), Says("number from 2 to 10")]
 # Mirrors that lean more make walls.
 Lean = Annotated[Angle, within(0, 15), Says("angle from 0 deg to 15 deg")]

@@ -18,13 +18,12 @@ from .base import Problem
 from .context import Context
 from .krs_recipe import Recipe, within
 from .surfaces import Material, MaterialValue
-from .values import Angle, Flag, Number, Positive, Ratio, Says, Seed, Weight, color, whole_number
+from .values import Angle, Bent, Flag, Positive, Ratio, Says, Seed, Weight, color, whole_number
 
 Levels = Annotated[int, Ge(1), Le(30), BeforeValidator(whole_number), Says("whole number from 1 to 30")]
 Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole number from 0 to 8")]
 Reach = Annotated[Number, Ge(0), Le(20), Says("number from 0 to 20")]
 Doublings = Annotated[int, Ge(1), Le(24), BeforeValidator(whole_number), Says("whole number from 1 to 24")]
-Bent = Annotated[Number, Ge(0), Le(0.6), Says("number from 0 to 0.6")]
 # Wider forks, or branches that turn back, would go through those before them.
 Spread = Annotated[Angle, within(5, 60), Says("angle from 5 deg to 60 deg")]
 Outwards = Annotated[Angle, within(0, 70), Says("angle from 0 deg to 70 deg")]
