@@ -26,7 +26,7 @@ from thurston_cl.krs.recipes.hyperbolic_forest import (
     pentagon,
 )
 from thurston_cl.krs.sequence import Sequence as KernelSequence
-from thurston_cl.krs.words import level_by_level
+from thurston_cl.krs.words import levels_of
 from thurston_cl.models import ORIGIN
 from thurston_cl.program import geometry_parts
 from thurston_cl.scene import load_text
@@ -238,13 +238,13 @@ def test_explain_tells_of_mirrors_as_scenes_write_them(space: str, spaces: dict[
         mirror = points.mirror((sense * 0.6, sense * -0.8, 0), 0.3)
         sequence = KernelSequence(space, (mirror,), (ball, ball))
         across = "(0.6, -0.8, 0)" if sense == 1 else "(-0.6, 0.8, 0)"
-        assert level_by_level(sequence)[1] == f"1: mirror across {across} at 0.3; ball of radius 0.1"
+        assert levels_of(sequence, [None])[1].step == f"mirror {across} at 0.3"
     if space in ("s2xe", "h2xe"):
         level = KernelSequence(space, (points.mirror((0, 0, -1), 0.3),), (ball, ball))
-        assert level_by_level(level)[1] == "1: horizontal mirror at height -0.3; ball of radius 0.1"
+        assert levels_of(level, [None])[1].step == "horizontal mirror at -0.3"
     if space == "s3":
         far = KernelSequence(space, (points.mirror((0, 0, 1), np.pi / 2),), (ball, ball))
-        assert level_by_level(far)[1] == "1: mirror a quarter turn from the origin; ball of radius 0.1"
+        assert levels_of(far, [None])[1].step == "mirror a quarter turn from the origin"
 
 
 # Kernels

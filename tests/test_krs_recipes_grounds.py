@@ -25,6 +25,7 @@ from thurston_cl.krs.recipes.terrain import seabed, terrain
 from thurston_cl.krs.record import sequence_of
 from thurston_cl.scene.base import Node
 from thurston_cl.scene.krs_grounds import FishSchool, PalmLeaf, Rock, Sponge, Terrain
+from thurston_cl.scene.krs_plants import Coral
 
 Array = NDArray[np.float64]
 Record = dict[str, Any]
@@ -348,6 +349,13 @@ def test_bending_keeps_space_and_what_is_joined(strength: float) -> None:
     (tip,) = whole.apply([bent["kernels"][0]["c"]])
     np.testing.assert_allclose(tip, ends[-1][1], atol=1e-10)
     assert max(moved) > 0.1 * strength
+
+
+def test_a_coral_of_a_scene_is_bent_as_it_says() -> None:
+    assert Coral.model_validate({"seed": 8}).record() == coral(seed=8)
+    bent = Coral.model_validate({"seed": 8, "bend": 0.35, "levels": 7}).record()
+    assert bent == moebius_coral(seed=8, strength=0.35, levels=7)
+    assert len(bent["G"]) == 7 + 2
 
 
 @pytest.mark.parametrize(
