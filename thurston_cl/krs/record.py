@@ -7,6 +7,7 @@ curved space.
 
 import warnings
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -24,8 +25,8 @@ _KEYS = {
     "G": ("G", "kernels", "smooth"),
     "space": ("space", "mirrors", "kernels", "smooth"),
 }
-# What fixtures say of a model besides.
-_IGNORED = ("points", "true", "folded", "separated", "bound", "probes", "rays")
+# A key so alike to one of these is taken for it.
+_MISSPELT = 0.75
 # A normal longer or shorter by this much is no unit vector written with few digits.
 OFF_UNIT = 1e-6
 # A message names no more kernels than these.
@@ -39,9 +40,11 @@ def sequence_of(record: Mapping[str, Any]) -> KernelSequence | MoebiusSequence:
     form = next((key for key in ("G", "space", "mirrors") if key in record), None)
     if form is None or "kernels" not in record:
         raise ValueError("a record of a sequence has 'mirrors' or 'G', and 'kernels'")
-    unknown = [key for key in record if key not in (*_KEYS[form], *_IGNORED)]
-    if unknown:
-        raise ValueError(f"unknown key {unknown[0]!r}; expected {', '.join(_KEYS[form])}")
+    for key in record:
+        # What else a record says of a model is not our business.
+        meant = get_close_matches(str(key), _KEYS[form], 1, _MISSPELT)
+        if meant and key not in _KEYS[form]:
+            raise ValueError(f"unknown key {key!r}; did you mean {meant[0]!r}?")
     steps = _series(record["G" if form == "G" else "mirrors"], "G" if form == "G" else "mirrors")
     if len(steps) > MOST_LEVELS:
         raise ValueError(f"{len(steps)} levels; expected at most {MOST_LEVELS}")
