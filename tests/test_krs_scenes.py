@@ -288,6 +288,62 @@ def test_patterns_of_parts_lie_in_the_coordinates_of_the_kernel() -> None:
     assert checked > 40
 
 
+def test_an_image_on_one_part_is_that_of_a_ball_by_itself() -> None:
+    """The last kernel is not mirrored; the footprint of a pixel and all else are the same."""
+    earth = glow({"image": "earth"})
+    made_of = [*[glow("red")] * 3, earth]
+    got = picture(scene_of({"krs": {"record": RECORD, "made-of": made_of}}))
+    red = {"union": balls_by_themselves()[:-1], "material": glow("red")}
+    globe = {"ball": {"radius": BALLS[3][1]}, "at": BALLS[3][0], "material": earth}
+    want = picture(scene_of(globe, red))
+    on_globe = want.channels["object"] == 1
+    assert on_globe.sum() > 100
+    difference = np.abs(got.channels["beauty"] - want.channels["beauty"]).max(axis=2)
+    assert np.mean(difference[on_globe] > 0.02) < 0.02
+    assert np.ptp(want.channels["beauty"][on_globe]) > 0.2
+    # Others are not painted with it.
+    rest = (want.channels["object"] == 2) & (difference < 1)
+    np.testing.assert_allclose(got.channels["beauty"][rest], want.channels["beauty"][rest], atol=1e-6)
+    assert rest.sum() >= (want.channels["object"] == 2).sum() - 2
+
+
+def test_an_image_is_mirrored_with_its_part() -> None:
+    """On an image of the kernel it shows what the kernel itself shows at the point that is folded there."""
+    earth = {"image": "earth"}
+    krs = {
+        "record": {
+            "mirrors": [{"u": [0, 1, 0], "w": 0}],
+            "kernels": [{"type": "sphere", "c": [0, -0.7, 0], "r": 0.6}, {"type": "empty"}],
+        }
+    }
+    camera = {"at": [3, 0, 0], "look": {"to": [0, 0, 0]}, "fov": "45 deg"}
+    image = picture(scene_of({"krs": krs, "material": glow(earth)}, camera=camera)).channels["beauty"]
+    left, right = image[:, : SIZE[0] // 2], image[:, SIZE[0] // 2 :][:, ::-1]
+    assert np.ptp(left) > 0.2
+    assert np.mean(np.abs(left - right).max(axis=2) > 0.03) < 0.02
+    # It is no repetition: not mirrored they differ.
+    assert np.mean(np.abs(left - right[:, ::-1]).max(axis=2) > 0.03) > 0.1
+
+
+def test_noise_on_a_part_stands_in_the_frame_of_the_object() -> None:
+    """No two images of a kernel wear the same clouds: those of all balls in one union."""
+    clouds = glow({"noise": {"size": 0.2, "colors": ["black", "white"]}})
+    levels = json.loads(json.dumps(LEVELS))
+    levels["kernel"]["material"] = clouds
+    scene = scene_of({"krs": levels, "at": [0.1, 0.2, 0], "material": glow("red")})
+    got = picture(scene).channels["beauty"]
+    union = {"union": balls_by_themselves(), "at": [0.1, 0.2, 0], "material": clouds}
+    want = picture(scene_of(union)).channels["beauty"]
+    eye, u = rays_of(scene)
+    depth, number = first_ball(eye - np.array([0.1, 0.2, 0]), u, [(c, r) for c, r, _ in instances()])
+    clouded = np.isfinite(depth) & (np.array([k for _, _, k in instances()])[number] == 0)
+    assert clouded.sum() > 60
+    assert np.ptp(want[clouded]) > 0.3
+    assert np.mean(np.abs(got - want)[clouded].max(axis=1) > 0.02) < 0.03
+    rest = np.isfinite(depth) & ~clouded
+    assert np.mean(np.abs(got[rest] - [1, 0, 0]).max(axis=1) > 1e-5) < 0.02
+
+
 # Smooth widths
 
 
