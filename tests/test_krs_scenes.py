@@ -974,6 +974,19 @@ def test_a_recipe_that_finds_nothing_is_told_at_its_key(monkeypatch: pytest.Monk
     assert found.help == "take less roughness or another seed"
 
 
+def test_normals_that_are_not_unit_vectors_are_told_of() -> None:
+    record = {
+        "mirrors": [{"u": [2, 0, 0], "w": 1}],
+        "kernels": [{"type": "sphere", "c": [0, 0, 0], "r": 0.6}, {"type": "empty"}],
+    }
+    with pytest.warns(UserWarning) as caught:
+        make_plan(load_text(scene_of({"ball": {"radius": 1}}, {"krs": {"record": record}})))
+    assert [str(warning.message) for warning in caught] == [
+        "sequence 1: the normals of mirrors 0 are not of length 1; u and w were divided by their length",
+        "sequence 1: kernel 0 (by 0.1) reaches beyond the mirror of the same number; what is there is clipped",
+    ]
+
+
 # From Python
 
 

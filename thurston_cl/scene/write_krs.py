@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from thurston_cl.krs.program import sequence_parts
 from thurston_cl.krs.record import clipping_in_words
-from thurston_cl.krs.sequence import MoebiusSequence
+from thurston_cl.krs.sequence import MoebiusSequence, Sequence
 from thurston_cl.scene.krs import Krs
 from thurston_cl.scene.krs_sequence import painted_sequence
 from thurston_cl.scene.surfaces import Material
@@ -29,6 +29,14 @@ def _look(material: Material) -> str:
     return material.color.written if isinstance(material.color, Color) else "a pattern"
 
 
+def _warnings(krs: Krs, sequence: Sequence | MoebiusSequence) -> tuple[str, ...]:
+    """What is told of a sequence. Recipes mean what their mirrors clip."""
+    if krs.record is not None:
+        return krs.record.warnings
+    told = None if krs.recipe is not None else clipping_in_words(sequence)
+    return () if told is None else (told,)
+
+
 def tells_free_balls(writer: Writer, krs: Krs) -> bool:
     """Whether a ball may be free of a sequence where its distance does not say so: balls are images of
     balls under Moebius maps, and of no others.
@@ -44,8 +52,7 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
     """
     painted = painted_sequence(krs, writer.geometry)
     sequence, numbers = painted.sequence, writer.numbers
-    if krs.recipe is None and (told := clipping_in_words(sequence)):
-        # Recipes mean what their mirrors clip.
+    for told in _warnings(krs, sequence):
         warnings.warn(f"sequence {len(writer.sequences) + 1}: {told}", stacklevel=2)
     writer.sequences.append(Named(sequence, _names(krs, painted.materials, writer.scene.materials)))
     writer.parts |= set(sequence_parts(sequence.geometry, sequence.name, sequence.kinds))
