@@ -38,6 +38,8 @@ E = "test_effects"
 IMAGE = "test_texture_image"
 NOISE = "test_noise"
 TRACERS = "test_tracers"
+KRS = "test_krs_scenes"
+_LAYOUT = f"{KRS}.test_numbers_are_laid_out_as_the_kernels_read_them"
 _ITERATIONS = f"{T}.test_the_bound_of_iterations_is_far_from_what_is_needed"
 _LENGTHS = f"{R}.test_lengths_go_on_over_the_seams_of_the_solver"
 _LIGHT = "test_light_falloff.test_light_fades_by_its_law_until_it_is_far_brighter_than_white"
@@ -186,6 +188,23 @@ SEAMS: dict[str, dict[str, tuple[str, ...]]] = {
         ("BLOCK_MIDDLE", "BLOCK_WORTH", "BLOCK_ROUNDING", "BLOCK_END"),
         (f"{TRACERS}.test_blocks_start_before_the_surface",),
     ),
+    "krs/empty_zones.h": {"ZONE_SLACK": (f"{KRS}.test_zone_slack_leads_out_of_the_zone",)},
+    "krs/kernels.h": {
+        "MOST_LEVELS": ("test_krs_model.test_forty_levels", "line_of_balls(41)"),
+        **dict.fromkeys(("KERNEL_PART", "KERNEL_HEAD", "KERNEL_SIZE"), (_LAYOUT,)),
+    },
+    "krs/sphere.h": {"KRS_SPHERE": (_LAYOUT,)},
+    "krs/plane.h": {"KRS_PLANE": (_LAYOUT,)},
+    "krs/capsule.h": {"KRS_CAPSULE": (_LAYOUT,)},
+    "krs/toroidal_capsule.h": {"KRS_TOROIDAL_CAPSULE": (_LAYOUT,)},
+    "krs/lens_leaf.h": {"KRS_LENS_LEAF": (_LAYOUT,)},
+    "krs/mirror.h": {"MIRROR_WIDTH": (_LAYOUT,)},
+    "krs/moebius_map.h": {"MOEBIUS_SIZE": (_LAYOUT,)},
+    "krs/moebius_sequence.h": {"MOEBIUS_HEAD": (_LAYOUT,)},
+    "krs/bulge.h": {},
+    "krs/sequence.h": {},
+    "krs/twist.h": {},
+    "march/stretch.h": {},
     "march.h": {"WALL_SLACK": ("test_fibred_cells.test_rays_hit_the_first_ball_of_the_orbit", "over_walls")},
 }
 # Named, but no seams: what a geometry is, and pi.
@@ -198,7 +217,7 @@ def constants_of(part: str) -> set[str]:
 
 
 def test_every_file_with_a_constant_is_listed() -> None:
-    for folder in ("shape", "light", "march"):
+    for folder in ("shape", "light", "march", "krs"):
         for file in (files("thurston_cl.kernels") / folder).iterdir():
             part = f"{folder}/{file.name}"
             assert part in SEAMS or not constants_of(part), part

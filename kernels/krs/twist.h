@@ -11,11 +11,13 @@ FN point twisted(point q, scene_data scene, int k)
   return y;
 }
 
-// 1/L.
-FN real twist_share(point q, scene_data scene, int k)
+// A bound of the distance at q from the distance d at T(q). Far from the axis that to the cylinder is the longer one.
+FN real twist_bound(real d, point q, scene_data scene, int k)
 {
-  real r = fmax(sqrt(fma(q.x, q.x, q.y * q.y)), number(scene, k + 1)), kr = fabs(number(scene, k)) * r;
-  return REAL(2) / (kr + sqrt(fma(kr, kr, REAL(4))));
+  real radius = number(scene, k + 1), axis = sqrt(fma(q.x, q.x, q.y * q.y)), kr = fabs(number(scene, k)) * fmax(axis, radius);
+  real bound = REAL(2) * d / (kr + sqrt(fma(kr, kr, REAL(4)))), outside = axis - radius;
+  // A NaN is kept.
+  return SELECT(outside > bound, outside, bound);
 }
 
 // The gradient of f(T(x)) from that of f at y = T(x).

@@ -1,5 +1,6 @@
 """Models: sequences of which one may ask distances, normals and instances, on one OpenCL device."""
 
+import warnings
 from collections.abc import Mapping
 from typing import Any, Self
 
@@ -11,7 +12,7 @@ from thurston_cl.arrays import Array, finite
 from thurston_cl.device import Device
 from thurston_cl.krs import curved
 from thurston_cl.krs.program import sequence_program
-from thurston_cl.krs.record import sequence_of
+from thurston_cl.krs.record import clipping_in_words, sequence_of
 from thurston_cl.krs.sequence import MoebiusSequence, Sequence
 from thurston_cl.models import off_model
 
@@ -54,8 +55,11 @@ class Model:
         ValueError for records that make no sense, warnings for what will be clipped. Settings: those of
         `Model`.
         """
+        sequence = sequence_of(record)
+        if told := clipping_in_words(sequence):
+            warnings.warn(told, stacklevel=2)
         order = curved.space_named(record["space"]).order if "space" in record else (0, 1, 2, 3)
-        return cls(sequence_of(record), order=order, **settings)
+        return cls(sequence, order=order, **settings)
 
     @property
     def levels(self) -> int:

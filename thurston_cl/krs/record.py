@@ -34,8 +34,8 @@ _MOST_TOLD = 6
 
 
 def sequence_of(record: Mapping[str, Any]) -> KernelSequence | MoebiusSequence:
-    """The sequence that a record describes. ValueError where it makes no sense; one warning for normals
-    that are not of length 1, and are made so, and one for kernels that reach beyond their mirrors.
+    """The sequence that a record describes. ValueError where it makes no sense; a warning for normals that
+    are not of length 1, and are made so.
     """
     form = next((key for key in ("G", "space", "mirrors") if key in record), None)
     if form is None or "kernels" not in record:
@@ -64,8 +64,6 @@ def sequence_of(record: Mapping[str, Any]) -> KernelSequence | MoebiusSequence:
         found = MoebiusSequence(tuple(map(_map, range(len(steps)), steps)), widths, _kernels(kernels))
     else:
         found = KernelSequence("e3", _mirrors(steps, widths), _kernels(kernels))
-    if told := clipping_in_words(found):
-        warnings.warn(told, stacklevel=3)
     return found
 
 

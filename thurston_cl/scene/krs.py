@@ -262,10 +262,11 @@ class Record:
     """A record as `thurston_cl.krs.Model.from_dict` takes it, and the sequence it describes."""
 
     def __init__(self, entries: Mapping[str, Any]) -> None:
-        with warnings.catch_warnings():
-            # Told of when the scene is rendered.
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
             self.sequence = sequence_of(entries)
+        # Told when the scene is rendered.
+        self.warnings = tuple(str(warning.message) for warning in caught)
         self._text = json.dumps(entries)
 
     def __eq__(self, other: object) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from thurston_cl.krs.program import sequence_parts
 from thurston_cl.krs.record import clipping_in_words
-from thurston_cl.krs.sequence import MoebiusSequence
+from thurston_cl.krs.sequence import MoebiusSequence, Sequence
 from thurston_cl.scene.krs import Krs
 from thurston_cl.scene.krs_sequence import painted_sequence
 from thurston_cl.scene.surfaces import Material
@@ -29,6 +29,12 @@ def _look(material: Material) -> str:
     return material.color.written if isinstance(material.color, Color) else "a pattern"
 
 
+def _warnings(krs: Krs, sequence: Sequence | MoebiusSequence) -> tuple[str, ...]:
+    """What is told of a sequence. Recipes mean what their mirrors clip."""
+    lost = None if krs.recipe is not None else clipping_in_words(sequence, lost=True)
+    return (*(krs.record.warnings if krs.record is not None else ()), *(() if lost is None else (lost,)))
+
+
 def tells_free_balls(writer: Writer, krs: Krs) -> bool:
     """Whether a ball may be free of a sequence where its distance does not say so: balls are images of
     balls under Moebius maps, and of no others.
@@ -44,8 +50,7 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
     """
     painted = painted_sequence(krs, writer.geometry)
     sequence, numbers = painted.sequence, writer.numbers
-    if krs.recipe is None and (told := clipping_in_words(sequence, lost=True)):
-        # Recipes mean what their mirrors clip.
+    for told in _warnings(krs, sequence):
         warnings.warn(f"sequence {len(writer.sequences) + 1}: {told}", stacklevel=2)
     writer.sequences.append(Named(sequence, _names(krs, painted.materials, writer.scene.materials)))
     writer.parts |= set(sequence_parts(sequence.geometry, sequence.name, sequence.kinds))
@@ -59,7 +64,7 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
         twist = numbers.add([krs.twist.angle, radius])
         distance = [
             f"point y = twisted(q, scene, {twist});",
-            f"real d = twist_share(q, scene, {twist}) * {kind}_distance(y, scene, {place});",
+            f"real d = twist_bound({kind}_distance(y, scene, {place}), q, scene, {twist});",
         ]
         surface = [
             f"point y = twisted(q, scene, {twist});",
