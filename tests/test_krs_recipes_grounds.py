@@ -101,7 +101,7 @@ def test_rock_is_as_smooth_where_facets_are_small() -> None:
         ratios.append(width / heights.std())
         points = points - 2 * np.maximum(heights, 0)[:, None] * mirror["u"]
     np.testing.assert_allclose(ratios, 0.3, rtol=0.1)
-    assert record["smooth"][0] < 0.05 * record["smooth"][-1]
+    assert record["smooth"][0] < 0.1 * record["smooth"][-1]
     assert set(rock(smooth=0)["smooth"]) == {0}
     np.testing.assert_allclose(rock(smooth=2)["smooth"], 2 * np.array(rock()["smooth"]), rtol=1e-12)
 

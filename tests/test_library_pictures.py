@@ -145,6 +145,8 @@ GLARING = ("s2xe/light-over-the-pole",)
 COMPARED = (
     "e3/ball-across-a-wall-neighbours",
     "e3/ball-over-plane",
+    "e3/reef",
+    "e3/rock-smooth",
     "h3/forest",
     "e3/palm-leaf",
     "h3/hyperideal-cube",
@@ -159,6 +161,8 @@ COMPARED = (
     "sol/cube",
     "sol/one-light",
 )
+# Each object is marched by itself, the one that is next in most lanes first: steps depend on the packet.
+COMPOUND = ("e3/reef", "e3/rock-smooth")
 
 
 @cache
@@ -266,6 +270,8 @@ def test_lanes_do_not_change_what_is_seen(name):
 def test_refilling_lanes_changes_nothing(name):
     packet, refill = picture(name, lanes=32, finish="packet"), picture(name, lanes=32, finish="refill")
     for channel, values in packet.channels.items():
+        if channel == "steps" and name in COMPOUND:
+            continue
         np.testing.assert_array_equal(values, refill.channels[channel], err_msg=channel)
 
 
