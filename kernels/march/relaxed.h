@@ -5,20 +5,27 @@
 // So much longer than the distance is a step. From 1.4 to 1.6 the count of steps is flat; shorter ones are made again less often.
 #define RELAXATION C(1.4)
 
-// The radius of the ball at the start of the last step, and the length of the step.
-typedef struct { real radius, step; mask plain; } progress;
+// The radius of the ball at the start of the last step, and the length of the step; by which factor steps are longer.
+typedef struct { real radius, step; mask plain; scalar longer; } progress;
 FN progress begin(ray r, scene_data scene)
 {
   progress at = {REAL(0), REAL(0)};
   at.plain = NOT(r.t == r.t);
+  at.longer = RELAXATION;
   return at;
 }
-// The same where it counts too how near the ray passes what it does not meet.
-FN progress begin_softly(ray r, scene_data scene) { return begin(r, scene); }
+// Where it counts too how near the ray passes what it does not meet, it looks as often as `direct`.
+FN progress begin_softly(ray r, scene_data scene)
+{
+  progress at = begin(r, scene);
+  at.longer = 1;
+  return at;
+}
 FN progress select_progress(mask m, progress a, progress b)
 {
   progress at = {SELECT(m, a.radius, b.radius), SELECT(m, a.step, b.step)};
   at.plain = (m & a.plain) | (NOT(m) & b.plain);
+  at.longer = b.longer;
   return at;
 }
 FN ray measured(ray before, ray after, progress at) { return before; }
@@ -45,7 +52,7 @@ FN ray march_step(ray r, progress *at, real limit, int max_steps, scene_data sce
   r.active &= NOT(there) & (too_far | (r.t < limit));
 
   // Back to the end of the ball, and from there one plain step.
-  real step = SELECT(at->plain, distance, REAL(RELAXATION) * distance), left = limit - r.t;
+  real step = SELECT(at->plain, distance, REAL(at->longer) * distance), left = limit - r.t;
   step = SELECT(step > left, left, step);
   step = SELECT(too_far, at->radius - at->step, step);
   at->plain = too_far;
