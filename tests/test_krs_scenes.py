@@ -352,8 +352,9 @@ def test_noise_on_a_part_stands_in_the_frame_of_the_object() -> None:
 
 
 def test_what_a_mirror_takes_away_is_told_of() -> None:
-    """A ball whose center lies beyond its mirror loses its larger part; one that only touches it loses nothing,
-    for where it reaches beyond its image does too."""
+    """A ball whose center lies beyond its mirror loses its larger part; one that only touches it loses
+    nothing, for where it reaches beyond its image does too.
+    """
     level = {"mirror": {"normal": [1, 0, 0], "offset": 0.2}}
     for x, told in ((0.1, []), (0.3, ["sequence 1: kernel 0 (by 0.35) reaches beyond the mirror"])):
         krs = {"kernel": {"ball": {"radius": 0.25, "at": [x, 0, 0]}}, "levels": [level]}
