@@ -3,7 +3,8 @@
 //
 // METHOD. At the distance r from the axis T stretches by at most L(r) = (k r + sqrt(k^2 r^2 + 4))/2, so that the distance over L is a
 // bound. The straight way to the nearest point leads nowhere farther from the axis than the point itself or the model, which a cylinder
-// of some radius about the axis holds. Numbers: rate k, that radius.
+// of some radius about the axis holds. Beyond that the way to the cylinder is a bound too, and no share of the distance grows so fast.
+// Numbers: rate k, that radius.
 FN point twisted(point q, scene_data scene, int k)
 {
   real c, s = sin_cos(number(scene, k) * q.z, &c);
@@ -11,11 +12,13 @@ FN point twisted(point q, scene_data scene, int k)
   return y;
 }
 
-// 1/L.
-FN real twist_share(point q, scene_data scene, int k)
+// From the distance of T(q) to the model a bound for that of q to what is drawn.
+FN real twist_bound(real distance, point q, scene_data scene, int k)
 {
-  real r = fmax(sqrt(fma(q.x, q.x, q.y * q.y)), number(scene, k + 1)), kr = fabs(number(scene, k)) * r;
-  return REAL(2) / (kr + sqrt(fma(kr, kr, REAL(4))));
+  real from_axis = sqrt(fma(q.x, q.x, q.y * q.y)), held = number(scene, k + 1);
+  real kr = fabs(number(scene, k)) * fmax(from_axis, held);
+  real stretch = REAL(C(0.5)) * (kr + sqrt(fma(kr, kr, REAL(4))));
+  return fmax(distance / stretch, from_axis - held);
 }
 
 // The gradient of f(T(x)) from that of f at y = T(x).

@@ -45,7 +45,7 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
         twist = numbers.add([krs.twist.angle, radius])
         distance = [
             f"point y = twisted(q, scene, {twist});",
-            f"real d = twist_share(q, scene, {twist}) * {kind}_distance(y, scene, {place});",
+            f"real d = twist_bound({kind}_distance(y, scene, {place}), q, scene, {twist});",
         ]
         surface = [
             f"point y = twisted(q, scene, {twist});",
