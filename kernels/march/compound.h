@@ -126,5 +126,7 @@ FN ray march_step(ray r, progress *at, real limit, int max_steps, scene_data sce
   r.spent |= ended & NOT(at->met) & (at->end < most);
   r.active &= NOT(ended);
   r.steps += SELECT(at->asked & r.active, REAL(1), REAL(0));
+  // One that meets nothing from where it begins has made a step all the same: without any it would count as not marched.
+  r.steps = SELECT(ended & NOT(r.hit), fmax(r.steps, REAL(1)), r.steps);
   return r;
 }
