@@ -45,6 +45,9 @@ FIGURES = {
     *(f"figure {number}({letter})" for number in (64, 65) for letter in "abcd"),
 }
 
+# And those of the paper on kernel-reflection sequences.
+KRS_FIGURES = {"1", "5", "6", "10"}
+
 # The share of rays that hit something at least, and at most where rays should also escape. In a tiling of
 # e3 or h3 every ray ends on something; windows of s3, the plane's sky, the ends of h3, level rays beside a
 # line of balls and far balls beyond the fog stay open.
@@ -52,6 +55,12 @@ OPEN = {
     "e3/ball-over-plane": (0.9, 1.0),
     "e3/carved-solids": (0.85, 0.99),
     "e3/earth-balls": (0.25, 0.5),
+    "e3/fish-aligned": (0.55, 0.8),
+    "e3/fish-school": (0.6, 0.85),
+    "e3/forest-from-the-air": (0.75, 0.95),
+    "e3/grove": (0.7, 0.9),
+    "e3/tree": (0.55, 0.8),
+    "e3/tree-twisted": (0.6, 0.85),
     "h3/cone-axis-double-image": (0.35, 0.7),
     "h3/cone-axis-hidden-ball": (0.35, 0.7),
     "h3/horoballs": (0.6, 0.95),
@@ -128,10 +137,11 @@ OPEN = {
 # Light that blows up is what these show.
 GLARING = ("s2xe/light-over-the-pole",)
 
-# One for each geometry and way to measure distance near walls, and one with shadows.
+# One for each geometry and way to measure distance near walls, one with shadows, and one sequence.
 COMPARED = (
     "e3/ball-across-a-wall-neighbours",
     "e3/ball-over-plane",
+    "e3/fish-school",
     "h3/hyperideal-cube",
     "h3/ideal-cube",
     "s3/quaternion-edges",
@@ -173,7 +183,8 @@ def test_every_figure_that_can_be_rendered_has_a_scene():
         " ".join(re.findall("^#(.*)", library.library_scene(name).path.read_text("utf-8"), re.MULTILINE))
         for name in NAMES
     ]
-    missing = {figure for figure in FIGURES if not any(figure in head for head in heads)}
+    figures = FIGURES | {f"figure {number} of the KRS paper" for number in KRS_FIGURES}
+    missing = {figure for figure in figures if not any(figure in head for head in heads)}
     assert not missing
 
 
@@ -192,8 +203,10 @@ def test_the_readme_lists_every_scene_with_its_figure():
     rows = dict(re.findall(r"^\| `(\w+/[\w-]+)` \| ([^|]*)\|", page, re.MULTILINE))
     assert sorted(rows) == NAMES
     for name, figure in rows.items():
+        # "KRS 6" is figure 6 of the paper on kernel-reflection sequences.
+        named = re.sub(r"^figure KRS (\w+)$", r"figure \1 of the KRS paper", f"figure {figure.strip()}")
         if figure.strip():
-            assert f"figure {figure.strip()}" in library.library_scene(name).path.read_text("utf-8"), name
+            assert named in library.library_scene(name).path.read_text("utf-8"), name
 
 
 def test_six_lines_make_a_scene():
