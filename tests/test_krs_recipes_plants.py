@@ -18,11 +18,12 @@ from thurston_cl.krs.recipes import branches
 from thurston_cl.krs.recipes.branches import Mirror, copies, faults
 from thurston_cl.krs.recipes.coral import coral
 from thurston_cl.krs.recipes.forest import forest
+from thurston_cl.krs.recipes.meadow import meadow
 from thurston_cl.krs.recipes.shrub import shrub
 from thurston_cl.krs.recipes.tree import tree
 from thurston_cl.krs.record import sequence_of
 from thurston_cl.scene.base import Problem, problems_of
-from thurston_cl.scene.krs_plants import Coral, Forest, Plant, Shrub, Tree
+from thurston_cl.scene.krs_plants import Coral, Forest, Meadow, Plant, Shrub, Tree
 from thurston_cl.scene.krs_recipe import Recipe
 
 Array = NDArray[np.float64]
@@ -371,6 +372,70 @@ def test_a_forest_is_of_the_tree_with_the_same_parameters() -> None:
     assert many["kernels"][:9] == single["kernels"]
     assert many["mirrors"][:8] == single["mirrors"]
     assert len(many["mirrors"]) == 12
+
+
+def sown(record: dict[str, Any]) -> Array:
+    """Where the blades (N, 3) of a meadow stand: their feet, of very many some."""
+    feet, blades = np.zeros((0, 3)), record["kernels"]
+    for level, mirror in enumerate(record["mirrors"]):
+        if blades[level]["type"] != "empty":
+            feet = np.concatenate([feet, [blades[level]["p"]]])
+        normal, offset = np.array(mirror["u"]), mirror["w"]
+        feet = feet[feet @ normal <= offset]
+        feet = np.concatenate([feet, Mirror(normal, offset).image(feet)])
+        if len(feet) > 2**15:
+            feet = np.random.default_rng(level).permutation(feet)[: 2**15]
+    return feet
+
+
+@every_seed
+def test_a_meadow_is_about_the_origin_and_without_bare_places(seed: int) -> None:
+    record = meadow(doublings=14, blade=1.0, seed=seed)
+    assert len(record["mirrors"]) == 14
+    assert [kernel["type"] for kernel in record["kernels"]] == ["torcap"] * 4 + ["empty"] * 11
+    assert (normals(record)[:, 2] == 0).all()
+    feet = sown(record)
+    assert len(feet) > 2000
+    reach = np.abs(feet[:, :2]).max(axis=0)
+    assert (np.abs(feet.mean(axis=0)[:2]) < 0.15 * reach).all()
+    # Inside, a blade stands within a third of its length.
+    places = np.random.default_rng(0).uniform(-0.4, 0.4, (500, 2)) * reach
+    nearest = np.linalg.norm(places[:, np.newaxis] - feet[:, :2], axis=-1).min(axis=1)
+    assert np.quantile(nearest, 0.98) < 1 / 3
+
+
+@every_seed
+def test_blades_come_out_of_the_ground_and_are_no_longer_than_said(seed: int) -> None:
+    for kernel in meadow(blade=0.5, thickness=0.03, seed=seed)["kernels"][:4]:
+        assert kernel["p"][2] == pytest.approx(-0.025)
+        assert 0.27 < kernel["q"][2] <= 0.5
+        assert kernel["r"] == 0.015
+
+
+def test_two_more_doublings_make_a_meadow_about_twice_as_wide() -> None:
+    areas = [np.prod(np.ptp(sown(meadow(doublings=n, seed=4)), axis=0)[:2]) for n in (12, 14, 16, 18)]
+    ratios = np.divide(areas[1:], areas[:-1])
+    assert (ratios > 2).all()
+    assert (ratios < 4.2).all()
+
+
+def test_a_meadow_has_four_doublings_at_least() -> None:
+    with pytest.raises(ValueError, match="a meadow is doubled at least 4 times, not 3 times"):
+        meadow(doublings=3)
+    assert len(meadow(doublings=4)["mirrors"]) == 4
+
+
+def test_the_words_of_a_meadow() -> None:
+    assert Meadow.model_validate({}).record() == meadow()
+    written = {"doublings": 20, "blade": 0.4, "thickness": 0.03, "seed": 2, "grass": {"color": "red"}}
+    node = Meadow.model_validate(written)
+    assert node.record() == meadow(doublings=20, blade=0.4, thickness=0.03, seed=2)
+    assert [material.color.written for material in node.materials] == ["red"]
+    with pytest.raises(ValidationError) as found:
+        Meadow.model_validate({"size": 30, "doublings": 3})
+    assert {problem.help for problem in problems_of(found.value)} >= {
+        "write 'doublings': each two more make it twice as wide"
+    }
 
 
 def test_too_many_levels() -> None:

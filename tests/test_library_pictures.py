@@ -43,7 +43,7 @@ FIGURES = {
     "figure 62",
     "figure 63",
     *(f"figure {number}({letter})" for number in (64, 65) for letter in "abcd"),
-    *(f"KRS figure {number}" for number in (1, 8, 9, 10, 11, 13)),
+    *(f"KRS figure {number}" for number in (1, 5, 6, 8, 9, 10, 11, 13)),
 }
 
 # The share of rays that hit something at least, and at most where rays should also escape. In a tiling of
@@ -62,6 +62,12 @@ OPEN = {
     "e3/shadow-hard": (0.75, 0.9),
     "e3/shadow-soft": (0.75, 0.9),
     "e3/terrain": (0.55, 0.75),
+    "e3/fish-aligned": (0.55, 0.8),
+    "e3/fish-school": (0.6, 0.85),
+    "e3/forest-from-the-air": (0.75, 0.95),
+    "e3/grove": (0.7, 0.9),
+    "e3/tree": (0.55, 0.8),
+    "e3/tree-twisted": (0.6, 0.85),
     "h3/cone-axis-double-image": (0.35, 0.7),
     "h3/cone-axis-hidden-ball": (0.35, 0.7),
     "h3/forest": (0.45, 0.85),
@@ -141,7 +147,7 @@ OPEN = {
 # Light that blows up is what these show.
 GLARING = ("s2xe/light-over-the-pole",)
 
-# One for each geometry and way to measure distance near walls, and one with shadows.
+# One for each geometry and way to measure distance near walls, one with shadows, and one sequence.
 COMPARED = (
     "e3/ball-across-a-wall-neighbours",
     "e3/ball-over-plane",
@@ -149,6 +155,7 @@ COMPARED = (
     "e3/rock-smooth",
     "h3/forest",
     "e3/palm-leaf",
+    "e3/fish-school",
     "h3/hyperideal-cube",
     "h3/ideal-cube",
     "s3/basket",

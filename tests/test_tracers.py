@@ -378,12 +378,17 @@ def test_blocks_start_before_the_surface(
         assert np.mean(t / np.minimum(depth, 4.0)) > (0.3 if value in ("9", "C(0.5)") else 0.7)
 
 
-def test_the_background_is_not_left_black_where_blocks_see_nothing() -> None:
-    scene = "geometry: e3\nbackground: white\nobjects: [{ball: {radius: 0.1}, at: [2, 0, 0]}]\n"
-    for start in ("pixel", "block"):
-        image = render(load_text(f"{scene}render: {{start: {start}}}\n"), size=SIZE, samples=1)
-        assert image.statistics["rays"] == SIZE[0] * SIZE[1]
-        np.testing.assert_array_equal(image.channels["beauty"][0, 0], [1, 1, 1])
+@pytest.mark.parametrize(("tracer", "start"), WAYS)
+@pytest.mark.parametrize("other", ["ball: {radius: 0.1}", "half-space: {offset: -1}"])
+def test_the_background_is_not_left_black_where_rays_see_nothing(tracer: str, start: str, other: str) -> None:
+    """Rays beside the balls of all objects, and those that blocks leave just before the end, make no step."""
+    scene = (
+        "geometry: e3\ncamera: {at: [0, 0, 0]}\nbackground: white\n"
+        f"objects: [{{ball: {{radius: 0.1}}, at: [2, 0, 0]}}, {{{other}, at: [3, 0, 0]}}]\n"
+    )
+    image = render(load_text(f"{scene}render: {{{way(tracer, start)}}}\n"), size=SIZE, samples=1)
+    assert image.statistics["rays"] == SIZE[0] * SIZE[1]
+    np.testing.assert_array_equal(image.channels["beauty"][0, 0], [1, 1, 1])
 
 
 # -- numbers that are none -----------------------------------------------------------------------------------

@@ -3,7 +3,8 @@
 //
 // METHOD. At the distance r from the axis T stretches by at most L(r) = (k r + sqrt(k^2 r^2 + 4))/2, so that the distance over L is a
 // bound. The straight way to the nearest point leads nowhere farther from the axis than the point itself or the model, which a cylinder
-// of some radius about the axis holds. Numbers: rate k, that radius.
+// of some radius about the axis holds. Beyond that the way to the cylinder is a bound too, and no share of the distance grows so fast.
+// Numbers: rate k, that radius.
 FN point twisted(point q, scene_data scene, int k)
 {
   real c, s = sin_cos(number(scene, k) * q.z, &c);

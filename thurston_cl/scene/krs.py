@@ -16,7 +16,7 @@ from .base import Node, Problem, problem, shown
 from .context import Context, context_of
 from .krs_curved import HyperbolicForest
 from .krs_grounds import FishSchool, PalmLeaf, Rock, Sponge, Terrain
-from .krs_plants import Coral, Forest, Shrub, Tree
+from .krs_plants import Coral, Forest, Meadow, Shrub, Tree
 from .krs_recipe import Recipe
 from .parse import Location
 from .points import Point
@@ -307,6 +307,7 @@ class Krs(Node):
         "tree",
         "shrub",
         "forest",
+        "meadow",
         "coral",
         "rock",
         "terrain",
@@ -349,6 +350,7 @@ class Krs(Node):
     tree: Tree | None = Field(default=None, description="A tree. In e3, as the next ones.")
     shrub: Shrub | None = Field(default=None, description="A shrub.")
     forest: Forest | None = Field(default=None, description="A forest of one tree, and its ground.")
+    meadow: Meadow | None = Field(default=None, description="A meadow, blade by blade.")
     coral: Coral | None = Field(default=None, description="A coral.")
     rock: Rock | None = Field(default=None, description="A rock.")
     terrain: Terrain | None = Field(default=None, description="Hills, or the bottom of the sea.")

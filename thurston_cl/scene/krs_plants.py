@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field
 from thurston_cl.krs.recipes.coral import coral
 from thurston_cl.krs.recipes.forest import forest
 from thurston_cl.krs.recipes.moebius_coral import moebius_coral
+from thurston_cl.krs.recipes.meadow import meadow
 from thurston_cl.krs.recipes.shrub import shrub
 from thurston_cl.krs.recipes.tree import tree
 from thurston_cl.krs.sequence import MOST_LEVELS
@@ -25,6 +26,7 @@ Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole nu
 Reach = Annotated[float, Ge(0), Le(20), BeforeValidator(number), Says("number from 0 to 20")]
 Doublings = Annotated[int, Ge(1), Le(24), BeforeValidator(whole_number), Says("whole number from 1 to 24")]
 Bent = Annotated[float, Ge(0), Le(0.6), BeforeValidator(number), Says("number from 0 to 0.6")]
+Sowings = Annotated[int, Ge(4), Le(36), BeforeValidator(whole_number), Says("whole number from 4 to 36")]
 # Wider forks, or branches that turn back, would go through those before them.
 Spread = Annotated[Angle, within(5, 60), Says("angle from 5 deg to 60 deg")]
 Outwards = Annotated[Angle, within(0, 70), Says("angle from 0 deg to 70 deg")]
@@ -39,6 +41,7 @@ _SEED = "Another number is another {}."
 _BARK = Material(color=color("#6b4f3c"), specular=0.05, diffuse=0.85)
 _LEAF = Material(color=color("#4c8a2f"), specular=0.1, diffuse=0.8)
 _SOIL = Material(color=color("#6f7a45"), specular=0.0, diffuse=0.9)
+_GRASS = Material(color=color("#7da23e"), specular=0.0, diffuse=0.8, ambient=0.2)
 _BODY = Material(color=color("#c4573f"))
 _TIP = Material(color=color("#f2dcc6"))
 
@@ -205,6 +208,39 @@ class Shrub(Plant):
 
     def record(self) -> Mapping[str, Any]:
         return shrub(**{key: getattr(self, key) for key in type(self).model_fields if key not in self.roles})
+
+
+class Meadow(Plant):
+    """A meadow about the origin, blade by blade, on the ground z = 0, which is not part of it: put a
+    half-space below it, in the color of the grass from afar."""
+
+    what = "a meadow"
+    example = "meadow: {doublings: 26, blade: 0.3, seed: 5, grass: {color: yellowgreen}}"
+    roles = ("grass",)
+    counted = ("doublings",)
+    hints: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("size", "width"), "write 'doublings': each two more make it twice as wide"),
+        **dict.fromkeys(("height", "length"), "did you mean 'blade'?"),
+        **dict.fromkeys(("color", "material"), "write 'grass: {color: ...}'"),
+        "at": "'at' stands beside 'krs', not inside it",
+    }
+
+    doublings: Sowings = Field(
+        default=24,
+        description="How often four blades are doubled: 24 are a meadow some 150 blades wide; each two more "
+        "make it twice as wide.",
+    )
+    blade: Positive = Field(default=0.3, description="Length of the longest blades.")
+    thickness: Positive = Field(default=0.02, description="Diameter of a blade.")
+    seed: Seed = Field(default=0, description=_SEED.format("meadow"))
+    grass: MaterialValue = _material(_GRASS, "the blades", "green")
+
+    def record(self) -> Mapping[str, Any]:
+        return meadow(**{key: getattr(self, key) for key in type(self).model_fields if key not in self.roles})
+
+    @classmethod
+    def _uncounted(cls) -> int:
+        return 0
 
 
 class Coral(Plant):

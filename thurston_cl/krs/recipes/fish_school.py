@@ -103,8 +103,8 @@ def _fish() -> list[dict[str, Any]]:
     """The kernels of a fish of length 1 about the origin that heads along x: two halved across z and y, two
     across y alone."""
     return [
-        spindle((-0.36, 0, 0), (-0.62, 0, -0.2), 0.05, 0.012, _Y, 1),  # a lobe of the tail
+        spindle((-0.34, 0, 0.01), (-0.62, 0, -0.2), 0.06, 0.012, _Y, 1),  # a lobe of the tail
         spindle((0.1, 0, -0.08), (-0.2, 0, -0.17), 0.07, 0.012, _Y, 1),  # a fin on the back and one below
-        spindle((0.5, 0, 0), (-0.46, 0, 0), 0.16, 0.085, _Y, 0),
-        {"type": "sphere", "c": [0.34, -0.038, 0.025], "r": 0.022, "mat": 2},
+        spindle((0.5, 0, 0), (-0.47, 0, 0), 0.135, 0.075, _Y, 0),
+        {"type": "sphere", "c": [0.34, -0.036, 0.022], "r": 0.024, "mat": 2},
     ]
