@@ -163,9 +163,7 @@ def test_distances_are_counted(tracer: str) -> None:
     assert told["distance_evaluations"] == pytest.approx(work + ends, abs=told["out_of_steps"])
     by_blocks = picture(way(tracer, "block"), light=light).statistics
     assert by_blocks["distance_evaluations"] > by_blocks["steps"] + by_blocks["shadow_steps"] + ends
-    # By components a ray asks for few of them, and a block for all.
-    if tracer != "compound":
-        assert by_blocks["distance_evaluations"] < told["distance_evaluations"]
+    assert by_blocks["distance_evaluations"] < told["distance_evaluations"]
 
 
 def test_compound_asks_for_less() -> None:
