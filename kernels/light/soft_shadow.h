@@ -5,7 +5,7 @@
 SOLVER void march_softly(ray *from, real limit, int max_steps, scene_data scene, real *least_of_all)
 {
   ray r = *from;
-  progress at = begin_softly(r, scene);
+  progress at = begin(r, scene);
   real least = REAL(INFINITY);
   while (ANY(r.active)) {
     ray before = r;

@@ -19,7 +19,6 @@ FN progress begin(ray r, scene_data scene)
   progress at = {number(scene, FAR) * REAL(BINARY_FIRST)};
   return at;
 }
-FN progress begin_softly(ray r, scene_data scene) { return begin(r, scene); }
 FN progress select_progress(mask m, progress a, progress b)
 {
   progress at = {SELECT(m, a.radius, b.radius)};

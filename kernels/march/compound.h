@@ -42,17 +42,6 @@ FN progress begin(ray r, scene_data scene)
   return at;
 }
 
-// What passes by throws a soft shadow too: each component is asked for all along the ray.
-FN progress begin_softly(ray r, scene_data scene)
-{
-  progress at = begin(r, scene);
-  for (int k = 0; k < COMPONENTS; k++) {
-    at.t[k] = scene.skipped == k + 1 ? REAL(INFINITY) : REAL(0);
-    at.leave[k] = REAL(INFINITY);
-  }
-  return at;
-}
-
 FN progress select_progress(mask m, progress a, progress b)
 {
   progress at = b;

@@ -3,8 +3,6 @@
 // What goes with a ray beside itself: nothing here. (C has no empty structs.)
 typedef int progress;
 FN progress begin(ray r, scene_data scene) { return 0; }
-// The same of a ray that minds what it passes by.
-FN progress begin_softly(ray r, scene_data scene) { return begin(r, scene); }
 FN progress select_progress(mask m, progress a, progress b) { return a; }
 // Where the last step asked for the distance, and in which lanes.
 FN ray measured(ray before, ray after, progress at) { return before; }

@@ -13,7 +13,6 @@ FN progress begin(ray r, scene_data scene)
   at.plain = NOT(r.t == r.t);
   return at;
 }
-FN progress begin_softly(ray r, scene_data scene) { return begin(r, scene); }
 FN progress select_progress(mask m, progress a, progress b)
 {
   progress at = {SELECT(m, a.radius, b.radius), SELECT(m, a.step, b.step)};
