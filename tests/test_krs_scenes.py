@@ -188,16 +188,18 @@ SHADES = {
 @pytest.mark.parametrize("shade", SHADES)
 def test_shades_are_those_of_ordinary_balls(shade: str) -> None:
     """The distance is the same, so the shade is: but where rays graze a ball, which ends some of them."""
+    # By one tracer: how far a ray goes that grazes the ground depends on it.
+    straight: dict[str, Any] = {"render": {"tracer": "direct"}}
     ground = {"half-space": {"offset": -0.5}, "material": {"color": "white", "specular": 0}}
     plain = {"material": {"color": "tan", "specular": 0}}
-    got = picture(scene_of({"krs": LEVELS, **plain}, ground, **SHADES[shade]))
-    want = picture(scene_of({"union": balls_by_themselves(), **plain}, ground, **SHADES[shade]))
+    got = picture(scene_of({"krs": LEVELS, **plain}, ground, **SHADES[shade], **straight))
+    want = picture(scene_of({"union": balls_by_themselves(), **plain}, ground, **SHADES[shade], **straight))
     bare = {
         key: [{name: light[name] for name in light if name != "shadows"} for light in value]
         for key, value in SHADES[shade].items()
         if key == "lights"
     }
-    unshaded = picture(scene_of({"krs": LEVELS, **plain}, ground, **bare))
+    unshaded = picture(scene_of({"krs": LEVELS, **plain}, ground, **bare, **straight))
     same_pictures(got, want)
     beauty = [image.channels["beauty"] for image in (got, want, unshaded)]
     assert np.mean(np.abs(beauty[0] - beauty[2]).max(axis=2) > 0.03) > 0.05
@@ -347,6 +349,7 @@ def test_noise_on_a_part_stands_in_the_frame_of_the_object() -> None:
 # Smooth widths
 
 
+@pytest.mark.filterwarnings("ignore:sequence 1")
 def test_smooth_widths_hide_the_crease_and_keep_the_shape() -> None:
     """Two balls that meet on a mirror: normals turn at once, or within the width."""
 
@@ -357,8 +360,7 @@ def test_smooth_widths_hide_the_crease_and_keep_the_shape() -> None:
         }
         return scene_of({"krs": krs}, camera={"at": [3, 0, 0], "look": {"to": [0, 0, 0]}, "fov": "30 deg"})
 
-    with pytest.warns(UserWarning, match="kernel 0 .by 0.2. reaches beyond"):
-        sharp, smooth = picture(scene(0)), picture(scene(0.1))
+    sharp, smooth = picture(scene(0)), picture(scene(0.1))
     np.testing.assert_array_equal(sharp.channels["depth"], smooth.channels["depth"])
     eye, u = rays_of(scene(0))
     y = (eye + sharp.channels["depth"][..., None] * u)[..., 1]
@@ -977,13 +979,12 @@ def test_a_recipe_that_finds_nothing_is_told_at_its_key(monkeypatch: pytest.Monk
 def test_normals_that_are_not_unit_vectors_are_told_of() -> None:
     record = {
         "mirrors": [{"u": [2, 0, 0], "w": 1}],
-        "kernels": [{"type": "sphere", "c": [0, 0, 0], "r": 0.6}, {"type": "empty"}],
+        "kernels": [{"type": "sphere", "c": [0, 0, 0], "r": 0.4}, {"type": "empty"}],
     }
     with pytest.warns(UserWarning) as caught:
         make_plan(load_text(scene_of({"ball": {"radius": 1}}, {"krs": {"record": record}})))
     assert [str(warning.message).partition("; ")[0] for warning in caught] == [
         "sequence 1: the normals of mirrors 0 are not of length 1",
-        "sequence 1: kernel 0 (by 0.1) reaches beyond the mirror of the same number",
     ]
 
 
