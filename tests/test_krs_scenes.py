@@ -993,7 +993,7 @@ def test_a_recipe_that_finds_nothing_is_told_at_its_key(monkeypatch: pytest.Monk
 def test_normals_that_are_not_unit_vectors_are_told_of() -> None:
     record = {
         "mirrors": [{"u": [2, 0, 0], "w": 1}],
-        "kernels": [{"type": "sphere", "c": [0, 0, 0], "r": 0.6}, {"type": "empty"}],
+        "kernels": [{"type": "sphere", "c": [0, 0, 0], "r": 0.4}, {"type": "empty"}],
     }
     with pytest.warns(UserWarning) as caught:
         make_plan(load_text(scene_of({"ball": {"radius": 1}}, {"krs": {"record": record}})))

@@ -2024,7 +2024,7 @@ MISTAKES = {
         )
         for name, text, message in (
             ("nothing", "", "a record of a sequence has 'mirrors' or 'G', and 'kernels'"),
-            ("a key", "mirrors: [], kernels: [], u: 1", "unknown key 'u'; expected mirrors, kernels, smooth"),
+            ("a key", "mirrors: [], kernels: [], smoth: [1]", "unknown key 'smoth'"),
             (
                 "no kernels",
                 "mirrors: [], kernels: []",

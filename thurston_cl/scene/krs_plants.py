@@ -9,8 +9,8 @@ from pydantic import BeforeValidator, Field
 
 from thurston_cl.krs.recipes.coral import coral
 from thurston_cl.krs.recipes.forest import forest
-from thurston_cl.krs.recipes.moebius_coral import moebius_coral
 from thurston_cl.krs.recipes.meadow import meadow
+from thurston_cl.krs.recipes.moebius_coral import moebius_coral
 from thurston_cl.krs.recipes.shrub import shrub
 from thurston_cl.krs.recipes.tree import tree
 from thurston_cl.krs.sequence import MOST_LEVELS
