@@ -18,7 +18,7 @@ from .base import Problem
 from .context import Context
 from .krs_recipe import Recipe, within
 from .surfaces import Material, MaterialValue
-from .values import Angle, Bent, Flag, Positive, Ratio, Says, Seed, Weight, color, whole_number
+from .values import Angle, Bent, Flag, Number, Positive, Ratio, Says, Seed, Weight, color, whole_number
 
 Levels = Annotated[int, Ge(1), Le(30), BeforeValidator(whole_number), Says("whole number from 1 to 30")]
 Few = Annotated[int, Ge(0), Le(8), BeforeValidator(whole_number), Says("whole number from 0 to 8")]
