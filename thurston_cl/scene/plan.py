@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.geometry import for_few_points
+from thurston_cl.krs.program import krs_order
 from thurston_cl.krs.words import Level, in_short, levels_of, numbered
 from thurston_cl.lattice import cell_table
 from thurston_cl.lattice.prism import Prism
@@ -218,17 +219,6 @@ def make_plan(
     )
 
 
-# The files of kernels/krs in the order in which they need each other, after those of the kernels themselves.
-_AFTER_KERNELS = ("kernels", "mirror", "sequence", "moebius_map", "moebius_sequence", "twist", "empty_zones")
-
-
-def _krs_order(parts: Collection[str]) -> list[str]:
-    """The files of kernel-reflection sequences among `parts`, in order."""
-    after = [f"krs/{name}.h" for name in _AFTER_KERNELS if f"krs/{name}.h" in parts]
-    kernels = sorted(part for part in parts if part.startswith("krs/") and part not in after)
-    return [*sorted(kernels, key=lambda part: part != "krs/bulge.h"), *after]
-
-
 def _tracer_words(scene: schema.Scene) -> str:
     tracer, settings = tracer_of(scene), scene.render
     words = [f"{tracer.name}: {tracer.why}"]
@@ -319,7 +309,7 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
         *geometry_parts(geometry),
         "scene_types.h",
         *under("shape"),
-        *_krs_order(parts),
+        *krs_order(parts),
         *under("lane_integers.h"),
         # What several patterns call comes first.
         *sorted(under("pattern"), key=lambda part: part not in effect_files.PATTERN_SUPPORT),

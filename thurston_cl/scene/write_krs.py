@@ -53,11 +53,12 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
     for told in _warnings(krs, sequence):
         warnings.warn(f"sequence {len(writer.sequences) + 1}: {told}", stacklevel=2)
     writer.sequences.append(Named(sequence, _names(krs, painted.materials, writer.scene.materials)))
-    writer.parts |= set(sequence_parts(sequence.geometry, sequence.name, sequence.kinds))
+    writer.parts |= sequence_parts(sequence.geometry, sequence.name, sequence.kinds)
     name = f"krs_{len(writer.sequences)}"
     place = numbers.add(sequence.numbers)
     kind = sequence.name
-    distance, way, surface = [f"real d = {kind}_distance(q, scene, {place});"], [], []
+    distance, way = [f"real d = {kind}_distance(q, scene, {place});"], []
+    surface = [f"surface s = {kind}_surface(q, scene, {place});"]
     if krs.twist is not None:
         writer.parts.add("krs/twist.h")
         radius = sequence.balls.reach_about_axis()
@@ -71,8 +72,6 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
             f"surface s = {kind}_surface(y, scene, {place});",
             f"s.gradient = twist_back(s.gradient, q, y, scene, {twist});",
         ]
-    else:
-        surface = [f"surface s = {kind}_surface(q, scene, {place});"]
     clear = list(distance)
     if krs.empty_zones:
         writer.parts.add("krs/empty_zones.h")
