@@ -155,9 +155,9 @@ def brute(record: Record, points: Array) -> Array:
 
 
 def centered_bound(record: Record, point: Array) -> float:
-    """Of every kernel the free ball about the point as the kernel sees it, inside the one that it fills, carried
-    out to the world by images of balls, each made smaller until it is a ball about the image of its center
-    again; the least of them, negative inside."""
+    """Of every kernel the free ball about the point as the kernel sees it, inside the one that it fills,
+    carried out to the world by images of balls, each made smaller until it is a ball about the image of its
+    center again; the least of them, negative inside."""
     maps = [vector(g) for g in record["G"]]
     seen: dict[int, Array] = {}  # before the mirror of each level
     x = vector(point)
