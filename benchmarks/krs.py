@@ -163,9 +163,11 @@ def evaluation(device: Device, record: Record, name: str, repeat: int) -> float:
     source = cl.Buffer(device.context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=points)
     target = cl.Buffer(device.context, flags.WRITE_ONLY, points[0].nbytes)
     sequence = model.sequence
-    # Without the balls of levels, which end it early.
-    alone = name == "unbounding" and isinstance(sequence, MoebiusSequence)
-    numbers = np.array(sequence.numbers_without_balls if alone else sequence.numbers, np.float32)
+    read = sequence.numbers
+    if name == "unbounding" and isinstance(sequence, MoebiusSequence):
+        # The balls that hold levels would end it early.
+        read = sequence.numbers_without_balls
+    numbers = np.array(read, np.float32)
     constants = cl.Buffer(device.context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=numbers)
     kernel = cl.Kernel(model.program.built, f"{sequence.name}_over_{name}")
     kernel.set_args(source, target, np.int32(EVALUATED), constants)
