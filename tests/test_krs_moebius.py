@@ -19,7 +19,7 @@ from krs_truth import Record, length, vector
 
 from thurston_cl.device import Device
 from thurston_cl.krs import Model
-from thurston_cl.krs.moebius import Map
+from thurston_cl.krs.moebius import Map, bend
 from thurston_cl.program import LANE_WIDTHS
 
 RECORDS = json.loads((DATA / "krs.json").read_text(encoding="utf-8"))
@@ -478,6 +478,17 @@ def test_rays_do_not_stop_at_poles(method: str, opencl_device: Device) -> None:
             in_the_air = (t < 3 * away) & (truth.brute(record, stop) > 2 * eps * t)
             assert in_the_air.sum() == 0, (len(record["G"]), spot)
     assert count > 15
+
+
+@both_precisions
+def test_at_a_pole_there_is_room(precision: str, opencl_device: Device) -> None:
+    """A map whose pole has no rounding, so that a camera may stand on it."""
+    pole, ball = np.array([[0.0, 0, 1]]), models.kernel("sphere", np.random.default_rng(1), [-0.4, 0, 0], 0.2)
+    record = {"G": [bend([0, 0, -1]).matrix.tolist()], "kernels": [ball, {"type": "empty"}]}
+    found = model(record, opencl_device, precision)
+    true = truth.brute(record, pole)
+    assert 0 < found.distance(pole) <= true
+    assert 0 <= found.bound(pole) <= true
 
 
 @pytest.mark.parametrize("source", ["records", "random"])

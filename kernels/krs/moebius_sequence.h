@@ -61,7 +61,8 @@ SOLVER real moebius_sequence_distance_at(const point *p, scene_data scene, int k
   k += MOEBIUS_HEAD;
   for (int i = 0; i < levels; i++, k += MOEBIUS_LEVEL) {
     pole_view v = seen_from_pole(x, scene, k);
-    real share = REAL(1) / v.distance_square;
+    // At the pole itself what follows is as good as no room, and only balls tell more.
+    real share = REAL(1) / fmax(v.distance_square, REAL(TINY));
     if (scene.numbers[k] > 0) b = fma(a, sqrt(share), b);
     a *= number(scene, k + 16) * share;
     x = turned_and_moved(v.from_pole, share, scene, k);
