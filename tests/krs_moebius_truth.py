@@ -155,8 +155,9 @@ def brute(record: Record, points: Array) -> Array:
 
 
 def centered_bound(record: Record, point: Array) -> float:
-    """Of every kernel the free ball about the point as the kernel sees it, carried out to the world by images
-    of balls, each made smaller until it is a ball about the image of its center again; the least of them."""
+    """Of every kernel the free ball about the point as the kernel sees it, inside the one that it fills,
+    carried out to the world by images of balls, each made smaller until it is a ball about the image of its
+    center again; the least of them, negative inside."""
     maps = [vector(g) for g in record["G"]]
     seen: dict[int, Array] = {}  # before the mirror of each level
     x = vector(point)
@@ -165,14 +166,12 @@ def centered_bound(record: Record, point: Array) -> float:
         x = seen[i] * [-np.sign(seen[i][0]), 1, 1]
     bounds = []
     for k, kernel in enumerate(record["kernels"]):
-        radius = float(kernel_distance(kernel, (seen[k - 1] if k else x)[None])[0])
+        distance = float(kernel_distance(kernel, (seen[k - 1] if k else x)[None])[0])
+        radius = abs(distance)
         for i in range(max(k - 1, 0), len(maps)):
-            if radius < 0:  # inside, to first order
-                radius *= float(factor(maps[i], seen[i][None])[0])
-                continue
             center, size, sign = sphere_image(maps[i], seen[i], radius)
             radius = sign * (size - float(length(center - apply(maps[i], seen[i]))))
-        bounds.append(radius)
+        bounds.append(np.copysign(radius, distance))
     return min(bounds)
 
 

@@ -19,7 +19,7 @@ from krs_truth import Record, length, vector
 
 from thurston_cl.device import Device
 from thurston_cl.krs import Model
-from thurston_cl.krs.moebius import Map
+from thurston_cl.krs.moebius import Map, bend
 from thurston_cl.program import LANE_WIDTHS
 
 RECORDS = json.loads((DATA / "krs.json").read_text(encoding="utf-8"))
@@ -227,6 +227,9 @@ def test_bounds_of_spheres(levels: int, opencl_device: Device) -> None:
     assert ((distance > 0) == outside).all()
     assert (found <= distance)[outside].all()
     assert (distance <= true + EXACT)[outside].all()
+    # Inside no deeper than it is: what is cut out by the model is marched by this.
+    assert (found >= true - EXACT)[~outside].all()
+    assert (distance >= true - EXACT)[~outside].all()
     centered = vector([truth.centered_bound(record, x) for x in points[:60]])
     assert np.abs(found[:60] - centered).max() <= 1e-9
     if levels >= 4:  # balls that hold levels are worth something
@@ -379,6 +382,10 @@ def test_a_ball_that_unbounds_is_free(kinds: tuple[str, ...], opencl_device: Dev
     accepted = found.unbounding(points, share * nearest)
     assert accepted.mean() > 0.1
     assert (share[accepted] <= 1 + 1e-12).all()
+    with_balls = free_with_balls(found)(points, share * nearest)
+    assert (share[with_balls] <= 1 + 1e-12).all()
+    assert (with_balls >= accepted).all()
+    assert with_balls.sum() > accepted.sum()
     # What the bound promises is accepted: it is the smaller of the two.
     bound = found.bound(points)
     plain = vector([truth.centered_bound(record, x) for x in points[:100]])
@@ -421,6 +428,17 @@ def binary_trace(
     raise AssertionError("rays that do not end")
 
 
+def free_with_balls(found: Model) -> Callable[[Array, Array], np.ndarray]:
+    """As `Model.unbounding`, but with balls that hold levels, as rays ask in pictures."""
+
+    def free(centers: Array, radii: Array) -> np.ndarray:
+        rows = [np.concatenate([centers, np.ones((len(centers), 1))], axis=1), radii[:, None]]
+        numbers = np.array(found.sequence.numbers)
+        return found.program.run("moebius_sequence_over_unbounding", rows, 1, numbers=numbers)[:, 0] > 0
+
+    return free
+
+
 def rays(record: Record, count: int, seed: int) -> tuple[Array, Array]:
     """From outside, towards somewhere inside."""
     cloud = truth.samples(record, 20, seed)
@@ -431,9 +449,11 @@ def rays(record: Record, count: int, seed: int) -> tuple[Array, Array]:
     return o, d / length(d)[:, None]
 
 
-def test_rays_do_not_stop_at_poles(opencl_device: Device) -> None:
-    """The centered bound vanishes there like the distance from the pole: a speck in empty space as large as
-    the threshold, one for each map and mirror image. Balls that hold the levels tell that it is empty."""
+@pytest.mark.parametrize("method", ["bound", "balls"])
+def test_rays_do_not_stop_at_poles(method: str, opencl_device: Device) -> None:
+    """The centered bound vanishes there like the distance from the pole, and a ball that holds the pole is
+    turned inside out: a speck in empty space as large as the threshold, one for each map and mirror image.
+    Balls that hold the levels tell that it is empty."""
     eps, count = 1e-3, 0
     for record in (*RECORDS["mokrs"], *(chain(levels, 2) for levels in (3, 4, 5, 6))):
         spots = truth.blind_spots(record)
@@ -448,11 +468,27 @@ def test_rays_do_not_stop_at_poles(opencl_device: Device) -> None:
             away = 5 * size
             # Past the pole, nearer than the threshold there.
             aim = spot + 0.5 * eps * away * rng.uniform(-1, 1, (100, 3)) - (spot - away * d)
-            t = sphere_trace(found.distance, spot - away * d, aim / length(aim)[:, None], eps, 3 * away)
-            stop = spot - away * d + t[:, None] * aim / length(aim)[:, None]
+            o, u = spot - away * d, aim / length(aim)[:, None]
+            if method == "bound":
+                t = sphere_trace(found.distance, o, u, eps, 3 * away)
+            else:
+                # A ball of the last size that was refused is larger: see BINARY_ACCURACY.
+                t = binary_trace(free_with_balls(found), o, u, 0.3 * eps, 3 * away)
+            stop = o + t[:, None] * u
             in_the_air = (t < 3 * away) & (truth.brute(record, stop) > 2 * eps * t)
             assert in_the_air.sum() == 0, (len(record["G"]), spot)
     assert count > 15
+
+
+@both_precisions
+def test_at_a_pole_there_is_room(precision: str, opencl_device: Device) -> None:
+    """A map whose pole has no rounding, so that a camera may stand on it."""
+    pole, ball = np.array([[0.0, 0, 1]]), models.kernel("sphere", np.random.default_rng(1), [-0.4, 0, 0], 0.2)
+    record = {"G": [bend([0, 0, -1]).matrix.tolist()], "kernels": [ball, {"type": "empty"}]}
+    found = model(record, opencl_device, precision)
+    true = truth.brute(record, pole)
+    assert 0 < found.distance(pole) <= true
+    assert 0 <= found.bound(pole) <= true
 
 
 @pytest.mark.parametrize("source", ["records", "random"])

@@ -37,6 +37,10 @@ def mirrored(**change: Any) -> Record:
 MISTAKES: dict[str, tuple[Record, str]] = {
     "nothing": ({}, "a record of a sequence has 'mirrors' or 'G', and 'kernels'"),
     "no kernels": ({"mirrors": []}, "a record of a sequence has 'mirrors' or 'G', and 'kernels'"),
+    "no mirrors of a curved space": (
+        {"space": "S3", "kernels": [{"c": [1.0, 0, 0, 0], "r": 0.1}]},
+        "a record of a sequence has 'mirrors' or 'G', and 'kernels'",
+    ),
     "unknown key": (one(BALL) | {"mirror": []}, "unknown key 'mirror'; did you mean 'mirrors'\\?"),
     "mirrors no list": ({"mirrors": 3, "kernels": [BALL]}, "mirrors is 3; expected a list"),
     "kernel no mapping": (one(3.0), r"kernel 0 is 3\.0; expected a mapping"),

@@ -15,8 +15,8 @@
 #define MOEBIUS_KERNEL (BALL_PLACE + 4)
 #define MOEBIUS_LEVEL (MOEBIUS_KERNEL + KERNEL_SIZE)
 
-// The radius in the world of the free ball that something at distance d leaves: d over this.
-FN real radius_divisor(real d, real a, real b) { return fma(b, fmax(d, REAL(0)), a); }
+// The radius in the world of the ball that something at distance d leaves free, or inside it fills: d over this.
+FN real radius_divisor(real d, real a, real b) { return fma(b, fabs(d), a); }
 
 // The least radius so far, as a fraction: comparing takes products, where a quotient at each level would cost as much as a kernel.
 typedef struct { real numerator, divisor; } least_radius;
@@ -30,13 +30,19 @@ FN void leave_room_for(least_radius *least, point x, real a, real b, scene_data 
   least->divisor = SELECT(less, divisor, least->divisor);
 }
 
-// How much room a ball of the buffer leaves for the point; where there is none, none is known.
-FN real outside_ball(point x, real a, real b, scene_data scene, int k)
+// How far the point is outside a ball of the buffer; where there is none, nothing is known to be outside.
+FN real distance_from_ball(point x, scene_data scene, int k)
 {
   if (!(scene.numbers[k + 3] >= 0)) return REAL(-INFINITY);
   direction from = add_scaled_3(first_3(x), three_numbers(scene, k), REAL(-1));
-  real d = sqrt(dot_3(from, from)) - number(scene, k + 3);
-  return d / radius_divisor(d, a, b);
+  return sqrt(dot_3(from, from)) - number(scene, k + 3);
+}
+
+// How much room that leaves for the point in the world.
+FN real outside_ball(point x, real a, real b, scene_data scene, int k)
+{
+  real d = distance_from_ball(x, scene, k);
+  return SELECT(d > REAL(0), d / radius_divisor(d, a, b), REAL(-INFINITY));
 }
 
 FN point mirrored(point x)
@@ -55,7 +61,8 @@ SOLVER real moebius_sequence_distance_at(const point *p, scene_data scene, int k
   k += MOEBIUS_HEAD;
   for (int i = 0; i < levels; i++, k += MOEBIUS_LEVEL) {
     pole_view v = seen_from_pole(x, scene, k);
-    real share = REAL(1) / v.distance_square;
+    // At the pole itself what follows is as good as no room, and only balls tell more.
+    real share = REAL(1) / fmax(v.distance_square, REAL(TINY));
     if (scene.numbers[k] > 0) b = fma(a, sqrt(share), b);
     a *= number(scene, k + 16) * share;
     x = turned_and_moved(v.from_pole, share, scene, k);
@@ -73,21 +80,23 @@ SOLVER real moebius_sequence_distance_at(const point *p, scene_data scene, int k
 
 FN real moebius_sequence_distance(point p, scene_data scene, int k) { return moebius_sequence_distance_at(&p, scene, k); }
 
-// Whether the ball is free of the model. It may say no to a free ball that one of the maps turns inside out.
+// Whether the ball is free of the model. It may say no to a free ball that one of the maps turns inside out, unless a ball that holds
+// all that follows is apart from it: else rays would meet the pole of a map in empty space.
 SOLVER mask moebius_sequence_unbounding_at(const point *c, const real *radius, scene_data scene, int k)
 {
   point x = *c;
   real r = *radius;
-  mask ok = r >= REAL(0);
+  mask ok = r >= REAL(0), apart = ok & (distance_from_ball(x, scene, k + 1) >= r);
   int levels = (int)scene.numbers[k];
   k += MOEBIUS_HEAD;
-  for (int i = 0; i < levels && ANY(ok); i++, k += MOEBIUS_LEVEL) {
+  for (int i = 0; i < levels && ANY(ok & NOT(apart)); i++, k += MOEBIUS_LEVEL) {
     moebius_ball(&x, &r, &ok, scene, k);
     ok &= kernel_distance(x, scene, k + MOEBIUS_KERNEL) >= r;
     x = mirrored(x);
+    apart |= ok & (distance_from_ball(x, scene, k + BALL_PLACE) >= r);
   }
-  if (ANY(ok)) ok &= kernel_distance(x, scene, k) >= r;
-  return ok;
+  if (ANY(ok & NOT(apart))) ok &= kernel_distance(x, scene, k) >= r;
+  return ok | apart;
 }
 
 FN mask moebius_sequence_unbounding(point c, real radius, scene_data scene, int k)

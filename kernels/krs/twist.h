@@ -1,10 +1,10 @@
 // twist.h - a sequence twisted about its z-axis: T(x) is x turned by rate * z, and what is drawn is the set of x with T(x) in the model
 // (KRS paper 5.2; krs.md 3).
 //
-// METHOD. At the distance r from the axis T stretches by at most L(r) = (k r + sqrt(k^2 r^2 + 4))/2, so that the distance over L is a
-// bound. The straight way to the nearest point leads nowhere farther from the axis than the point itself or the model, which a cylinder
-// of some radius about the axis holds. Beyond that the way to the cylinder is a bound too, and no share of the distance grows so fast.
-// Numbers: rate k, that radius.
+// METHOD. |T(x) - T(y)| is the distance from y to x turned by k times the height h between them: with r the distance of x from the axis
+// and a that from y across it, at most a + k r |h| across and h along it, and so at most L(r) |x - y|, L(r) = (k r + sqrt(k^2 r^2 + 4))/2
+// the norm of this shear. As well r may be that of y. So the distance over L is a bound, at the lesser of how far from the axis the point
+// and the model reach, which a cylinder of some radius holds; and so is the way to that cylinder. Numbers: rate k, that radius.
 FN point twisted(point q, scene_data scene, int k)
 {
   real c, s = sin_cos(number(scene, k) * q.z, &c);
@@ -15,7 +15,7 @@ FN point twisted(point q, scene_data scene, int k)
 // A bound of the distance at q from the distance d at T(q). Far from the axis that to the cylinder is the longer one.
 FN real twist_bound(real d, point q, scene_data scene, int k)
 {
-  real radius = number(scene, k + 1), axis = sqrt(fma(q.x, q.x, q.y * q.y)), kr = fabs(number(scene, k)) * fmax(axis, radius);
+  real radius = number(scene, k + 1), axis = sqrt(fma(q.x, q.x, q.y * q.y)), kr = fabs(number(scene, k)) * fmin(axis, radius);
   real bound = REAL(2) * d / (kr + sqrt(fma(kr, kr, REAL(4)))), outside = axis - radius;
   // A NaN is kept.
   return SELECT(outside > bound, outside, bound);

@@ -82,32 +82,30 @@ class Model:
         leave. Of a Moebius sequence `bound`, and more where balls show that whole levels are far: what rays
         go by.
         """
-        return self._run("distance", [self._points(points)], 1)[:, 0]
+        return self._run("distance", [self._points(points)], 1, self._numbers)[:, 0]
 
     def bound(self, points: ArrayLike) -> Array:
         """A lower bound (N,) of the distance: of a Moebius sequence by the largest ball about the point that
         stays centered (krs.md 5), in one pass; of any other the distance itself.
         """
-        if not isinstance(self.sequence, MoebiusSequence):
-            return self.distance(points)
-        numbers = np.array(self.sequence.numbers_without_balls)
-        return self._run("distance", [self._points(points)], 1, numbers)[:, 0]
+        return self._run("distance", [self._points(points)], 1, self._without_balls)[:, 0]
 
     def unbounding(self, centers: ArrayLike, radii: ArrayLike) -> NDArray[np.bool_]:
         """Whether balls (N,3) and (N,) are free of the model (KRS paper, algorithm 3, corrected). Of a
-        Moebius sequence it may deny a ball that is free, if a map turns it inside out.
+        Moebius sequence it may deny a ball that is free, if a map turns it inside out; rays ask with balls
+        that hold levels beside, which tell more.
         """
         points, sizes = self._points(centers), finite("radii", radii).reshape(-1, 1)
         if len(sizes) not in (1, len(points)):
             raise ValueError(f"{len(points)} centers and {len(sizes)} radii; expected as many")
         sizes = np.broadcast_to(sizes, (len(points), 1))
-        return self._run("unbounding", [points, sizes], 1)[:, 0] > 0
+        return self._run("unbounding", [points, sizes], 1, self._without_balls)[:, 0] > 0
 
     def normal(self, points: ArrayLike) -> Array:
         """Unit normals (N,3) or (N,4), the gradient of the distance to the nearest kernel, led back through
         the mirrors or maps, and smoothed over mirrors within their widths.
         """
-        normal = self._run("surface", [self._points(points)], 5)[:, :4]
+        normal = self._run("surface", [self._points(points)], 5, self._numbers)[:, :4]
         if self.sequence.geometry == "e3":
             return normal[:, :3]
         back = np.argsort(self._order)
@@ -115,7 +113,7 @@ class Model:
 
     def part(self, points: ArrayLike) -> NDArray[np.int64]:
         """The number of the material (N,), "mat" of the record, of the nearest kernel."""
-        return self._run("surface", [self._points(points)], 5)[:, 4].astype(np.int64)
+        return self._run("surface", [self._points(points)], 5, self._numbers)[:, 4].astype(np.int64)
 
     def expand(self) -> list[tuple[int, Array]]:
         """All instances: the number of the kernel and the isometry (4,4) from it to its place, on
@@ -135,6 +133,12 @@ class Model:
         back = np.argsort(self._order)
         return [(i, place[:4, :4][np.ix_(back, back)]) for i, place in self.sequence.expand()]
 
+    @property
+    def _without_balls(self) -> Array:
+        if isinstance(self.sequence, MoebiusSequence):
+            return np.array(self.sequence.numbers_without_balls)
+        return self._numbers
+
     def _points(self, points: ArrayLike) -> Array:
         array = finite("points", points)
         width = 3 if self.sequence.geometry == "e3" else 4
@@ -150,8 +154,7 @@ class Model:
             raise ValueError(f"point {int(off.argmax())} is off the model of {self.sequence.geometry}")
         return array
 
-    def _run(self, name: str, arrays: list[Array], outputs: int, numbers: Array | None = None) -> Array:
-        numbers = self._numbers if numbers is None else numbers
+    def _run(self, name: str, arrays: list[Array], outputs: int, numbers: Array) -> Array:
         return self.program.run(f"{self.sequence.name}_over_{name}", arrays, outputs, numbers=numbers)
 
 

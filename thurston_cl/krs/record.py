@@ -38,14 +38,15 @@ def sequence_of(record: Mapping[str, Any]) -> KernelSequence | MoebiusSequence:
     are not of length 1, and are made so.
     """
     form = next((key for key in ("G", "space", "mirrors") if key in record), None)
-    if form is None or "kernels" not in record:
+    steps_key = "G" if form == "G" else "mirrors"
+    if form is None or steps_key not in record or "kernels" not in record:
         raise ValueError("a record of a sequence has 'mirrors' or 'G', and 'kernels'")
     for key in record:
         # What else a record says of a model is not our business.
         meant = get_close_matches(str(key), _KEYS[form], 1, _MISSPELT)
         if meant and key not in _KEYS[form]:
             raise ValueError(f"unknown key {key!r}; did you mean {meant[0]!r}?")
-    steps = _series(record["G" if form == "G" else "mirrors"], "G" if form == "G" else "mirrors")
+    steps = _series(record[steps_key], steps_key)
     if len(steps) > MOST_LEVELS:
         raise ValueError(f"{len(steps)} levels; expected at most {MOST_LEVELS}")
     widths = _widths(record.get("smooth"), len(steps))
