@@ -20,6 +20,7 @@ from krs_truth import Record, length, vector
 from thurston_cl.device import Device
 from thurston_cl.krs import Model
 from thurston_cl.krs.moebius import Map, bend
+from thurston_cl.krs.sequence import MoebiusSequence
 from thurston_cl.program import LANE_WIDTHS
 
 RECORDS = json.loads((DATA / "krs.json").read_text(encoding="utf-8"))
@@ -478,6 +479,31 @@ def test_rays_do_not_stop_at_poles(method: str, opencl_device: Device) -> None:
             in_the_air = (t < 3 * away) & (truth.brute(record, stop) > 2 * eps * t)
             assert in_the_air.sum() == 0, (len(record["G"]), spot)
     assert count > 15
+
+
+def test_balls_are_where_poles_need_them(opencl_device: Device, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Next to each pole a good part of the distance is known; without the balls that are there for poles
+    alone, in some models next to nothing.
+    """
+
+    def shares() -> list[float]:
+        found = []
+        for record in (
+            *RECORDS["mokrs"],
+            *(chain(levels, seed) for levels in (5, 6, 7, 8) for seed in (2, 3, 4)),
+        ):
+            spots = truth.blind_spots(record)
+            true, size = truth.brute(record, spots), np.abs(truth.samples(record, 20, 1)).max()
+            clear = true > 0.02 * size
+            distance = model(record, opencl_device).distance(spots[clear] + 1e-6 * size)
+            found.append(float(np.min(distance / true[clear], initial=1.0)))
+        return found
+
+    assert min(shares()) > 0.2
+    monkeypatch.setattr(MoebiusSequence, "_needs_ball", lambda self, level: False)
+    bare = shares()
+    assert sum(share < 1e-4 for share in bare) > 5
+    assert max(bare) < 1 + 1e-9
 
 
 @both_precisions

@@ -20,7 +20,9 @@ Array = NDArray[np.float64]
 MOST_LEVELS = 40
 # A ball that holds a level pays at every third (measured: krs.md 8).
 LEVELS_BETWEEN_BALLS = 3
-# A pole is far from a ball, or beyond a mirror, by so many sizes of that: then rays have room there.
+# A pole is as good as in a ball where it is nearer to that than this share of its radius, and as good as
+# before a mirror where it is nearer to that than this share of its distance from the origin: rays that come
+# so near to a pole have this much room at least.
 POLE_ROOM = 0.2
 # What reaches beyond its mirror by less than this touches it: rounding.
 TOUCHES = 1e-9

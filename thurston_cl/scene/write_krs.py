@@ -70,6 +70,7 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
         surface = [
             f"point y = twisted(q, scene, {twist});",
             f"surface s = {kind}_surface(y, scene, {place});",
+            f"s.distance = twist_bound(s.distance, q, scene, {twist});",
             f"s.gradient = twist_back(s.gradient, q, y, scene, {twist});",
         ]
     clear = list(distance)
