@@ -180,7 +180,7 @@ def test_how_far_a_kernel_reaches_beyond_its_mirror(kind: str, seed: int, opencl
     record["mirrors"][0]["w"] = float(heights.max() - beyond)
     (said,) = said_of(record, opencl_device)
     found = re.fullmatch(
-        r"kernel 0 \(by ([\d.e-]+)\) reaches beyond the mirror of the same number; what is there is clipped",
+        r"kernel 0 \(by ([\d.e-]+)\) reaches beyond the mirror that follows it; what is there is clipped",
         said,
     )
     assert found is not None, said
@@ -195,19 +195,19 @@ def test_one_warning_names_all_kernels_that_cross(opencl_device: Device) -> None
     with pytest.warns(UserWarning) as told:
         Model.from_dict(record, device=opencl_device)
     assert [str(warning.message) for warning in told] == [
-        "kernels 0 (by 0.75), 2 (by 0.5) reach beyond the mirror of the same number; what is there is clipped"
+        "kernels 0 (by 0.75), 2 (by 0.5) reach beyond the mirror that follows them; what is there is clipped"
     ]
     assert told[0].filename == __file__
     plane = {"mirrors": [mirror], "kernels": [PLANE, BALL]}
     assert said_of(plane, opencl_device) == [
-        "kernel 0 (without bound) reaches beyond the mirror of the same number; what is there is clipped"
+        "kernel 0 (without bound) reaches beyond the mirror that follows it; what is there is clipped"
     ]
     # A half-space on the negative side of its own mirror does not cross it.
     behind = {"mirrors": [mirror], "kernels": [{"type": "plane", "n": [1.0, 0, 0], "h": 0.0}, BALL]}
     assert said_of(behind, opencl_device) == []
     moebius = {"G": [IDENTITY], "kernels": [near, BALL]}
     assert said_of(moebius, opencl_device) == [
-        "kernel 0 (by 0.75) reaches beyond the mirror of the same number; what is there is clipped"
+        "kernel 0 (by 0.75) reaches beyond the mirror that follows it; what is there is clipped"
     ]
 
 
@@ -219,8 +219,33 @@ def test_kernels_of_the_records_that_cross_are_named(opencl_device: Device) -> N
             if truth.support(record["kernels"][i], vector(mirror["u"])) > mirror["w"] + 1e-9
         ]
         said = " ".join(said_of(record, opencl_device))
-        assert [int(i) for i in re.findall(r"(\d+) \(by", said)] == crossing
+        gone = {int(i) for i in re.findall(r"of kernel (\d+)", said)}
+        assert [int(i) for i in re.findall(r"(\d+) \(by", said)] == [i for i in crossing if i not in gone]
+        for i in gone:
+            assert not shows(record, i)
         assert not (record["separated"] and said)
+
+
+def shows(record: Record, i: int) -> bool:
+    """Whether anything is drawn of a kernel: whether points come into it by folding."""
+    kernels = [kernel if j == i else {"type": "empty"} for j, kernel in enumerate(record["kernels"])]
+    alone = record | {"kernels": kernels}
+    rng = np.random.default_rng(1)
+    places = np.array([place[:3, 3] + place[:3, :3] @ kernels[i]["c"] for _, place in truth.expand(alone)])
+    points = places[rng.integers(len(places), size=40000)] + kernels[i]["r"] * rng.uniform(-1, 1, (40000, 3))
+    return bool((truth.folded(alone, points) < 0).any())
+
+
+def test_kernels_that_are_gone_are_told_of(opencl_device: Device) -> None:
+    """Also those that a later mirror takes, all images of them."""
+    mirrors = [{"u": [1.0, 0, 0], "w": 0.0}, {"u": [0.0, 1, 0], "w": 0.0}, {"u": [0.0, 0, 1], "w": 0.3}]
+    empty: list[Record] = [{"type": "empty"}] * 3
+    for y, gone in ((0.5, True), (-0.5, False), (0.09, False)):
+        record = {"mirrors": mirrors, "kernels": [{"type": "sphere", "c": [-0.5, y, 0], "r": 0.1}, *empty]}
+        said = said_of(record, opencl_device)
+        want = "nothing is left of kernel 0: all of it is beyond mirror 1; turn its normal round, or move it"
+        assert said == ([want] if gone else [])
+        assert shows(record, 0) is not gone
 
 
 def test_touching_a_mirror_is_not_crossing_it(opencl_device: Device) -> None:

@@ -56,7 +56,8 @@ class Model:
         `Model`.
         """
         sequence = sequence_of(record)
-        if told := clipping_in_words(sequence):
+        # Recipes mean what their mirrors clip.
+        for told in [] if record.get("clips") else clipping_in_words(sequence):
             warnings.warn(told, stacklevel=2)
         order = curved.space_named(record["space"]).order if "space" in record else (0, 1, 2, 3)
         return cls(sequence, order=order, **settings)

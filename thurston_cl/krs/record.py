@@ -134,15 +134,22 @@ def _map(level: int, matrix: Any) -> moebius.Map:
         raise ValueError(f"G of level {level}: {error}") from None
 
 
-def clipping_in_words(sequence: KernelSequence | MoebiusSequence, *, lost: bool = False) -> str | None:
-    """Which kernels reach beyond their mirrors, and by how much; None where none does. lost: only those that
-    are less for it.
+def clipping_in_words(sequence: KernelSequence | MoebiusSequence, *, lost: bool = False) -> list[str]:
+    """What mirrors clip, in sentences: kernels that reach beyond the mirror that follows them, and by
+    how much, with `lost` only those that are less for it; and kernels of which the mirrors leave
+    nothing.
     """
-    clipped = sequence.clipped(lost=lost)
+    sentences = [
+        f"nothing is left of kernel {i}: all of it is beyond mirror {j}; turn its normal round, or move it"
+        for i, j in sequence.vanished()
+    ]
+    gone = {i for i, _ in sequence.vanished()}
+    clipped = [(i, by) for i, by in sequence.clipped(lost=lost) if i not in gone]
     told = [f"{i} ({'without bound' if np.isinf(by) else f'by {by:.3g}'})" for i, by in clipped]
-    if not told:
-        return None
     if len(told) > _MOST_TOLD:
         told[_MOST_TOLD - 1 :] = [f"and {len(told) - _MOST_TOLD + 1} more"]
-    who = f"kernel {told[0]} reaches" if len(told) == 1 else f"kernels {', '.join(told)} reach"
-    return f"{who} beyond the mirror of the same number; what is there is clipped"
+    if told:
+        who = f"kernel {told[0]} reaches" if len(told) == 1 else f"kernels {', '.join(told)} reach"
+        whose = "it" if len(told) == 1 else "them"
+        sentences.append(f"{who} beyond the mirror that follows {whose}; what is there is clipped")
+    return sentences

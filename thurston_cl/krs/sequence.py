@@ -24,6 +24,8 @@ LEVELS_BETWEEN_BALLS = 3
 # before a mirror where it is nearer to that than this share of its distance from the origin: rays that come
 # so near to a pole have this much room at least.
 POLE_ROOM = 0.2
+# Whether anything is left of a kernel is followed for so many images of it.
+MOST_FOLLOWED = 256
 # What reaches beyond its mirror by less than this touches it: rounding.
 TOUCHES = 1e-9
 
@@ -163,6 +165,27 @@ class Sequence(_Levels):
                 found.append((i, beyond))
         return found
 
+    def vanished(self) -> list[tuple[int, int]]:
+        """Kernels of e3 of which mirrors leave nothing, with the mirror that takes the last of them; of
+        those with more than MOST_FOLLOWED images it is not known.
+        """
+        found = []
+        for i, kernel in enumerate(self.kernels[:-1]):
+            if kernel.ball is None or self.geometry != "e3":
+                continue
+            centers, radius = kernel.ball[0][None], kernel.ball[1]
+            for j in range(i, self.levels):
+                normal, form = self.mirrors[j].normal[:3], self.mirrors[j].form
+                side = centers @ normal + float(form[3] + form[4])
+                centers, side = centers[side < radius], side[side < radius]
+                if len(centers) == 0:
+                    found.append((i, j))
+                    break
+                centers = np.concatenate([centers, centers - 2 * side[:, None] * normal])
+                if len(centers) > MOST_FOLLOWED:
+                    break
+        return found
+
     def expand(self) -> list[tuple[int, Array]]:
         """All instances: the number of the kernel and the isometry (5,5) on [x, y, z, w, 1] that leads from
         it to its place.
@@ -288,6 +311,10 @@ class MoebiusSequence(_Levels):
         beyond = self.kernels[0].reach(np.array([1.0, 0.0, 0.0]))
         spared = _SPARED * self.kernels[0].radius if lost else 0.0
         return [(0, beyond)] if beyond - spared > TOUCHES else []
+
+    def vanished(self) -> list[tuple[int, int]]:
+        """As of a `Sequence`; here it is not known."""
+        return []
 
     def expand(self) -> list[tuple[int, moebius.Map]]:
         """All instances: the number of the kernel and the map that leads from it to its place."""

@@ -265,6 +265,8 @@ class Record:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             self.sequence = sequence_of(entries)
+        # Whether what mirrors clip is meant, as recipes say.
+        self.clips = bool(entries.get("clips"))
         # Told when the scene is rendered.
         self.warnings = tuple(str(warning.message) for warning in caught)
         self._text = json.dumps(entries)

@@ -31,8 +31,10 @@ def _look(material: Material) -> str:
 
 def _warnings(krs: Krs, sequence: Sequence | MoebiusSequence) -> tuple[str, ...]:
     """What is told of a sequence. Recipes mean what their mirrors clip."""
-    lost = None if krs.recipe is not None else clipping_in_words(sequence, lost=True)
-    return (*(krs.record.warnings if krs.record is not None else ()), *(() if lost is None else (lost,)))
+    if krs.recipe is not None or (krs.record is not None and krs.record.clips):
+        return ()
+    own = () if krs.record is None else krs.record.warnings
+    return (*own, *clipping_in_words(sequence, lost=True))
 
 
 def tells_free_balls(writer: Writer, krs: Krs) -> bool:

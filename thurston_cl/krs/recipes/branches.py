@@ -260,5 +260,6 @@ def record(mirrors: Sequence[Mirror], kernels: Sequence[Record], inside: Record 
     outer = [{"u": mirror.normal.tolist(), "w": mirror.offset} for mirror in reversed(mirrors)]
     return {
         "mirrors": inner["mirrors"] + outer,
+        "clips": True,
         "kernels": inner["kernels"] + [dict(kernel) for kernel in reversed(kernels)],
     }

@@ -84,6 +84,7 @@ def fish_school(
     shift = -length * (centers.max(axis=0) + centers.min(axis=0)) / 2
     return {
         "mirrors": [{"u": u.tolist(), "w": float(length * offset + u @ shift)} for u, offset in mirrors],
+        "clips": True,
         "kernels": [moved(kernel, shift=shift, scale=length) for kernel in [*kernels, EMPTY]],
     }
 

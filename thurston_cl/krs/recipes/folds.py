@@ -88,6 +88,7 @@ def sequence(
     """
     record: dict[str, Any] = {
         "mirrors": [{"u": u.tolist(), "w": float(scale * offset)} for u, offset in reversed(mirrors)],
+        "clips": True,
         "kernels": [kernels.get(level, EMPTY) for level in range(len(mirrors) + 1)],
     }
     if smooth is not None:

@@ -57,6 +57,7 @@ def moebius_of(record: Mapping[str, Any], *, strength: float = 0.2, seed: int = 
     spaces = [frames[max(0, level - 1)] for level in range(len(kernels))]
     return {
         "G": [m.matrix.tolist() for m in maps],
+        "clips": True,
         "kernels": [
             moved(kernel, turn.T, -turn.T @ fork)
             for kernel, (turn, fork) in zip(kernels, spaces, strict=True)

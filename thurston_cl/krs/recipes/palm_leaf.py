@@ -97,7 +97,7 @@ def palm_leaf(
     kernels.append(
         {"type": "capsule", "a": [0.0, -stem, 0.0], "b": [0.0, 0.0, 0.0], "r": stem_radius, "mat": 1}
     )
-    return {"G": [m.matrix.tolist() for m in maps], "kernels": kernels}
+    return {"G": [m.matrix.tolist() for m in maps], "clips": True, "kernels": kernels}
 
 
 def _at_end(rib: Array) -> Map:
