@@ -85,7 +85,12 @@ def hyperbolic_forest(
     if doublings:
         kernels.pop()
         kernels.append({"type": "plane", "n": [0.0, 0.0, 0.0, 1.0], "mat": GROUND})
-    return {"space": "H3", "mirrors": [mirror.tolist() for mirror in mirrors], "kernels": kernels}
+    return {
+        "space": "H3",
+        "clips": True,
+        "mirrors": [mirror.tolist() for mirror in mirrors],
+        "kernels": kernels,
+    }
 
 
 # The ground
