@@ -2007,6 +2007,13 @@ MISTAKES = {
     "leaflets that are too long": Mistake(
         a_sequence("palm-leaf: {leaflets: 1.5}"), "3:33", "leaflets must be at most 1; this is 1.5", ""
     ),
+    "level balls of a tree": Mistake(
+        a_sequence("tree: {}, level-balls: false"),
+        "3:21",
+        "only Moebius sequences have balls that hold their levels",
+        "leave it out",
+        False,
+    ),
     "relaxed with empty zones": Mistake(
         a_sequence(f"empty-zones: {{radius: 1}}, {ONE_LEVEL}") + "render: {tracer: relaxed}\n",
         "4:10",

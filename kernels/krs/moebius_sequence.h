@@ -72,6 +72,8 @@ SOLVER real moebius_sequence_distance_at(const point *p, scene_data scene, int k
       bound = fmin(bound, fmax(least.numerator / least.divisor, outside));
       least = none;
       outside = fmax(outside, outside_ball(x, a, b, scene, k + BALL_PLACE));
+      // What follows leaves more room than there is left.
+      if (!ANY(outside < bound)) return distance_at(x, bound);
     }
   }
   leave_room_for(&least, x, a, b, scene, k);

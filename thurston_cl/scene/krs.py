@@ -21,7 +21,7 @@ from .krs_recipe import Recipe
 from .parse import Location
 from .points import Point
 from .surfaces import Material, MaterialValue, OptionalMaterial
-from .values import Angle, AtLeast, Direction, Number, OneOrMore, Positive, Says, Vec3
+from .values import Angle, AtLeast, Direction, Flag, Number, OneOrMore, Positive, Says, Vec3
 
 # Geometries with mirrors: totally geodesic planes across every direction, or across and along the fiber.
 MIRRORED = (*ISOTROPIC, *PRODUCTS)
@@ -364,6 +364,12 @@ class Krs(Node):
     hyperbolic_forest: HyperbolicForest | None = Field(
         default=None, alias="hyperbolic-forest", description="A forest on a plane of h3."
     )
+    level_balls: Flag = Field(
+        default=True,
+        alias="level-balls",
+        description="Of a Moebius sequence: whether balls that hold its levels say more of how far it is. "
+        "Without them rays may stop in empty space, at the poles of its maps; it is for comparisons.",
+    )
     twist: Twist | None = Field(default=None, description="Twist it about its z-axis. In e3.")
     empty_zones: Annotated[
         tuple[EmptyZone, ...],
@@ -420,6 +426,10 @@ class Krs(Node):
         if explicit and not any(kernel for _, kernel in self.kernels_written()):
             message = "there is no kernel, so that there is nothing to double"
             yield Problem((), message, "add 'kernel: {ball: {radius: 0.1}}'")
+        bent = self.moebius is not None or self.palm_leaf is not None or self.coral is not None
+        if not self.level_balls and not (bent or self.record is not None):
+            message = "only Moebius sequences have balls that hold their levels"
+            yield Problem(("level-balls",), message, "leave it out", True)
         if self.made_of and self.record is None:
             message = "only the kernels of a record are made of what is listed here"
             yield Problem(("made-of",), message, "leave it out", True)

@@ -57,7 +57,10 @@ def write_krs(writer: Writer, krs: Krs, first_part: int) -> tuple[str, tuple[Mat
     writer.sequences.append(Named(sequence, _names(krs, painted.materials, writer.scene.materials)))
     writer.parts |= sequence_parts(sequence.geometry, sequence.name, sequence.kinds)
     name = f"krs_{len(writer.sequences)}"
-    place = numbers.add(sequence.numbers)
+    if krs.level_balls or not isinstance(sequence, MoebiusSequence):
+        place = numbers.add(sequence.numbers)
+    else:
+        place = numbers.add(sequence.numbers_without_balls)
     kind = sequence.name
     distance, way = [f"real d = {kind}_distance(q, scene, {place});"], []
     surface = [f"surface s = {kind}_surface(q, scene, {place});"]
