@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 # As in kernels/krs/kernels.h: numbers are kept for this many levels.
 MOST_LEVELS = 40
-# A ball that holds a level pays at every third (measured: krs.md 8).
+# A ball that holds a level pays at every third (measured: docs/krs.md, "Moebius maps").
 LEVELS_BETWEEN_BALLS = 3
 # A pole is far from a ball, or beyond a mirror, by so many sizes of that: then rays have room there.
 POLE_ROOM = 0.2
