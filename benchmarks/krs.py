@@ -1,11 +1,11 @@
 """What kernel-reflection sequences cost by their levels (KRS paper, figure 12): time of one evaluation
 and of a picture, direct, binary, as a Moebius sequence in both ways, and as a union of eight.
 
-Run with `make bench`, or `python benchmarks/krs.py --plot krs.png`. All at one view: eight trees whose
-smallest branches go finer with the levels. A single sequence is one tree, eight times by its last three
-mirrors; the compound is eight different trees in the same places, with as many kernels in all. Times are
-processor time of all cores together, of marching the first rays; depth errors are relative to double
-precision with a threshold a thousandth as large.
+What came out is in docs/krs.md, "Costs". Run with `make bench`, or `python benchmarks/krs.py --plot krs.png`.
+All at one view: eight trees whose smallest branches go finer with the levels. A single sequence is one tree,
+eight times by its last three mirrors; the compound is eight different trees in the same places, with as many
+kernels in all. Times are processor time of all cores together, of marching the first rays; depth errors are
+relative to double precision with a threshold a thousandth as large.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """Kernel-reflection sequences in curved spaces against all their instances.
 
 In single precision distances of far points from what is near the origin of hyperbolic space keep their digits
-(krs.md 6: 1e-5 at a radius of 8). But a fold that leads a far point next to the origin brings along how far
+(1e-5 at a radius of 8). But a fold that leads a far point next to the origin brings along how far
 its rounding is off the hyperboloid: what stands at the radius r is seen with an error of EPSILON cosh^2 r,
 1e-4 at 4 and 0.2 at 8, in double 6e-10.
 """

@@ -120,7 +120,7 @@ SAGITTAS = (0.0, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 0.4999, 0.5, 0.50
 @both_precisions
 @pytest.mark.parametrize("ratio", SAGITTAS)
 def test_arcs_of_every_sagitta(ratio: float, precision: str, opencl_device: Device) -> None:
-    """krs.md 2: in float the usual form has errors of 3e-4 at s/L = 0.01 and 0.6 at 1e-4, this one 5e-7."""
+    """In float the usual form has errors of 3e-4 at s/L = 0.01 and 0.6 at 1e-4, this one 5e-7."""
     kernel = with_sagitta(ratio, skew=0.2 if ratio > 0.01 else 0.0)
     chord = vector(ARC["q"]) - vector(ARC["p"])
     points = np.random.default_rng(5).uniform(-1, 1, (300, 3)) * max(1, ratio) * length(chord)

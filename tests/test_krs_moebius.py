@@ -151,7 +151,7 @@ def test_maps_of_every_kind(name: str, opencl_device: Device) -> None:
 @pytest.mark.parametrize("far", [1.0, 100.0])
 @pytest.mark.parametrize("radius", [1e-4, 1e-2, 1.0])
 def test_images_of_small_spheres_far_out(far: float, radius: float, opencl_device: Device) -> None:
-    """krs.md 4: coefficients of spheres lose all digits of a small radius; centers and radii keep theirs."""
+    """Coefficients of spheres lose all digits of a small radius; centers and radii keep theirs."""
     rng = np.random.default_rng(6)
     matrix = random_maps()["all"]
     centers = far * rng.normal(size=(200, 3))

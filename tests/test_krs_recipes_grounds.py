@@ -246,7 +246,7 @@ def maps_of(record: Record) -> list[Map]:
 
 
 def keeps_space(matrix: Array) -> float:
-    """How far a matrix is from the criterion of krs.md 4, relative to its entries."""
+    """How far a matrix is from the criterion of docs/krs.md, "Moebius maps", relative to its entries."""
     (a, b), (c, d) = matrix
     size = float(np.max(np.sum(matrix**2, axis=-1)))
     mixed = product(conjugate(d), a) - product(conjugate(c), b)

@@ -1558,7 +1558,7 @@ MISTAKES = {
         f"a sequence in {name}": Mistake(
             a_sequence(ONE_LEVEL, name),
             "3:10",
-            f"{name} has no mirrors, so that nothing can be doubled by them",
+            f"in {name} nothing is doubled by mirrors",
             "sequences are made in e3, s3, h3, s2xe, h2xe",
             False,
         )
@@ -1688,7 +1688,7 @@ MISTAKES = {
     "a sequence in nil": Mistake(
         a_sequence(f"{ONE_LEVEL}", "nil"),
         "3:10",
-        "nil has no mirrors, so that nothing can be doubled by them",
+        "in nil nothing is doubled by mirrors",
         "sequences are made in e3, s3, h3, s2xe, h2xe",
         False,
     ),

@@ -1,5 +1,5 @@
 // bulge.h - distance from a circle or sphere that may be flat: which touches the plane y = 0 at the origin, lies below it and has the
-// curvature kappa >= 0. Regular at kappa = 0, and without loss where the radius is large (krs.md, "curvature form").
+// curvature kappa >= 0. Regular at kappa = 0, and without loss where the radius is large (docs/krs.md, "Kernels").
 //
 // From g = 2 y + kappa (x^2 + y^2) the distance is g/(1 + *root), *root the distance from the centre over the radius: sqrt(1 + kappa g),
 // of which half the digits cancel next to the centre, but not of the length of (1 + kappa y, kappa x). ACCURACY in float: 5e-7 of the

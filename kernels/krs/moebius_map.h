@@ -1,5 +1,5 @@
 // moebius_map.h - conformal maps of R^3, as points, balls and gradients of distances see them (KRS paper 6.2, 6.3, appendices A and C,
-// as corrected in krs.md 4).
+// as corrected in docs/krs.md, "Moebius maps").
 //
 // The map is x -> t + Q (x - p)/|x - p|^2, p its pole and Q a rotation or reflection times k; without a pole a similarity, t + Q x.
 // This form has no difference of large numbers, where the coefficients of spheres (alpha, beta, gamma) lose all digits of small ones in

@@ -4,8 +4,8 @@
 // METHOD. The image of a ball under a Moebius map is a ball, but not about the image of its centre, which is why the paper tries balls.
 // The largest ball about the image that fits has radius 1/rho' = (1/lambda)(1/rho + 1/D), lambda the factor and D the distance of the
 // pole: affine in 1/rho, so that walking inwards two numbers A and B tell for a kernel at distance d the radius 1/(A/d + B) of a free
-// ball about the point in the world (krs.md 5). Never above the distance; near a surface it is the distance itself (0.98 of it at 0.1
-// of a radius above, 0.9998 at 0.001). But it is no more than half the distance from the pole of a map, where there is nothing: there a
+// ball about the point in the world (docs/krs.md, "Moebius maps"). Never above the distance; near a surface it is the distance itself
+// (0.98 of it at 0.1 of a radius above, 0.9998 at 0.001). But it is no more than half the distance from the pole of a map, where there is nothing: there a
 // ball that holds L_i tells that all of it is far.
 //
 // Numbers: n; the ball that holds all (centre, radius; or radius < 0); then for i = n - 1 ... 0 the inverse of G_i, a width, the ball that holds L_i (centre, radius; or radius < 0), K_{i+1};

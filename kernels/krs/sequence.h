@@ -4,7 +4,7 @@
 // METHOD. One pass over n levels in place of 2^(n+1) - 1 instances: where x is on the positive side of mirror i it is reflected, and
 // the distance to K_i is taken. Every step is 1-Lipschitz, so that the value never exceeds the distance to its own zero set: of the
 // instances if each L_i lies on the negative side of its mirror, and else of what is left of them when each mirror clips what reaches
-// beyond it (krs.md 1). ACCURACY against all instances: double 2e-14, float 4e-7 of the size (tests/test_krs_model.py).
+// beyond it (docs/krs.md, "The fold"). ACCURACY against all instances: double 2e-14, float 4e-7 of the size (tests/test_krs_model.py).
 //
 // Numbers: n; K_n; then for i = n - 1 ... 0 mirror i and K_i.
 #define LEVEL_SIZE (MIRROR_SIZE + KERNEL_SIZE)

@@ -1,6 +1,6 @@
 // toroidal_capsule.h - all points within a radius of an arc of a circle, in e3, as a kernel of a sequence; in curvature form, which
-// holds for straight arcs as well as for those over half a circle (krs.md 2). Numbers: the middle M of the arc (3); unit vectors from
-// the centre to M, along the chord and across both (9); curvature; sine and cosine of half the arc's angle; the end of the arc from M
+// holds for straight arcs as well as for those over half a circle (docs/krs.md, "Kernels"). Numbers: the middle M of the arc (3); unit
+// vectors from the centre to M, along the chord and across both (9); curvature; sine and cosine of half the arc's angle; the end of the arc from M
 // in the first two directions (2); radius. Coordinates: the angle about the arc in turns, the length along it.
 // ACCURACY: float 5e-7 of the arc's size for every sagitta, 0 included (tests/test_krs_model.py).
 #define KRS_TOROIDAL_CAPSULE 4

@@ -1,5 +1,5 @@
 // twist.h - a sequence twisted about its z-axis: T(x) is x turned by rate * z, and what is drawn is the set of x with T(x) in the model
-// (KRS paper 5.2; krs.md 3).
+// (KRS paper 5.2; docs/krs.md, "Twist").
 //
 // METHOD. |T(x) - T(y)| is the distance from y to x turned by k times the height h between them: with r the distance of x from the axis
 // and a that from y across it, at most a + k r |h| across and h along it, and so at most L(r) |x - y|, L(r) = (k r + sqrt(k^2 r^2 + 4))/2

@@ -1,7 +1,7 @@
 """Sequences in curved spaces: how records write points, mirrors and kernels of S3, H3, S2xE and H2xE, and
-what the kernels of `kernels/krs/` read of them.
+what the kernels of `kernels/krs/` read of them (docs/krs.md, "Curved spaces").
 
-Records of S3 and H3 write the time-like coordinate first, as krs.md 6: <x, x> = -x0^2 + x1^2 + x2^2 + x3^2.
+Records of S3 and H3 write the time-like coordinate first: <x, x> = -x0^2 + x1^2 + x2^2 + x3^2.
 Those of the products write points as `thurston_cl.Geometry` does, [x, y, z, w]; a mirror of theirs is
 vertical, [x, y, z, 0], a unit normal to a great circle or line of the factor, or horizontal, {"height": w}.
 """

@@ -174,7 +174,7 @@ def _capsule(entries: _Entries, part: int) -> Kernel:
 
 
 def _toroidal_capsule(entries: _Entries, part: int) -> Kernel:
-    """The arc from p to q through m, in curvature form (krs.md 2)."""
+    """The arc from p to q through m, in curvature form (docs/krs.md, "Kernels")."""
     p, q, m, r = entries.vector("p"), entries.vector("q"), entries.vector("m"), entries.positive("r")
     length = float(np.linalg.norm(q - p))
     if length == 0:

@@ -87,7 +87,7 @@ class Model:
 
     def bound(self, points: ArrayLike) -> Array:
         """A lower bound (N,) of the distance: of a Moebius sequence by the largest ball about the point that
-        stays centered (krs.md 5), in one pass; of any other the distance itself.
+        stays centered (docs/krs.md, "Moebius maps"), in one pass; of any other the distance itself.
         """
         return self._run("distance", [self._points(points)], 1, self._without_balls)[:, 0]
 

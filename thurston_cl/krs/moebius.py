@@ -1,4 +1,5 @@
-"""Conformal maps of R^3 as 2 x 2 matrices of quaternions (KRS paper 6.2; corrected in krs.md 4).
+"""Conformal maps of R^3 as 2 x 2 matrices of quaternions (KRS paper 6.2; corrected in docs/krs.md,
+"Moebius maps").
 
 A quaternion is [w, x, y, z]; a point (x, y, z) is the quaternion [0, x, y, z]. [[a, b], [c, d]] maps q to
 (a q + b)(c q + d)^-1, and composition is the product of matrices.
@@ -39,8 +40,8 @@ def embedded(points: ArrayLike) -> Array:
 
 @dataclass(frozen=True)
 class Map:
-    """A conformal map by its matrix (2,2,4). ValueError unless it keeps R^3 (krs.md 4: Re(a c*) = Re(b d*)
-    = 0 and d* a - c* b real).
+    """A conformal map by its matrix (2,2,4). ValueError unless it keeps R^3: Re(a c*) = Re(b d*) = 0
+    and d* a - c* b real.
     """
 
     matrix: Array

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 # As in kernels/krs/kernels.h: numbers are kept for this many levels.
 MOST_LEVELS = 40
-# A ball that holds a level pays at every third (measured: krs.md 8).
+# A ball that holds a level pays at every third (measured: docs/krs.md, "Moebius maps").
 LEVELS_BETWEEN_BALLS = 3
 # A pole is as good as in a ball where it is nearer to that than this share of its radius, and as good as
 # before a mirror where it is nearer to that than this share of its distance from the origin: rays that come

@@ -404,7 +404,7 @@ class Krs(Node):
         if not any(getattr(self, self.keys()[key]) is not None for key in self.one_of):
             return
         if geometry is not None and geometry not in MIRRORED:
-            message = f"{geometry} has no mirrors, so that nothing can be doubled by them"
+            message = f"in {geometry} nothing is doubled by mirrors"
             yield Problem((), message, f"sequences are made in {', '.join(MIRRORED)}")
             return
         for key in (*self.one_of, "twist", "empty-zones") if geometry is not None else ():

@@ -17,7 +17,8 @@ from .schema import Scene
 from .values import Color, Says
 
 BEGIN = (
-    "<!-- The tables below are made from the models; `python -m thurston_cl.scene.reference` renews them. -->"
+    "<!-- The tables below are made from the models; "
+    "`python -m thurston_cl.scene.reference docs/scene.md` renews them. -->"
 )
 
 

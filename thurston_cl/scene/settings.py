@@ -58,7 +58,8 @@ class RenderSettings(Node):
         description="How far rays go at once: `direct` by the distance to the scene; `relaxed` by 1.4 times "
         "that, and back where it was too far; `compound` marches each object by itself, the nearest first; "
         "`binary` (e3) tries out which balls are free. All but `direct` in the whole space only. `auto` is "
-        "`compound` where that saves work, else `direct`.",
+        "`relaxed` where one object is a sequence, `compound` where several are, both where they can be, and "
+        "else `direct`.",
     )
     start: Literal["pixel", "block"] = Field(
         default="pixel",

@@ -6,7 +6,7 @@ make another one: beside the mirror two right angles become a straight line. So 
 side of the polygon so far, the one nearest to the first tree, and all trees lie exactly on one side of each
 mirror: 2^doublings cells, none of them cut.
 
-TREE. From the twigs down to the trunk (krs.md 7, TREE, by exponential maps): what has grown is leant away
+TREE. From the twigs down to the trunk (as tree.py does, by exponential maps): what has grown is leant away
 from a mirror through the next fork, by at least as much as brings all of its axes to one side. What is within
 a radius of axes on one side of a mirror is not clipped by it: where it reaches beyond, the image is, too.
 """
