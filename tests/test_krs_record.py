@@ -9,7 +9,7 @@ import krs_models as models
 import krs_truth as truth
 import numpy as np
 import pytest
-from golden import DATA
+from golden import DATA, Array
 from krs_truth import Record, length, vector
 
 from thurston_cl.device import Device
@@ -158,6 +158,24 @@ def test_axes_and_normals_of_kernels_may_have_any_length(opencl_device: Device) 
     assert np.abs(found - truth.kernel_distance(LEAF, points)).max() < 1e-14
     found = Model.from_dict(one(PLANE | {"n": [0.0, 0, 4], "h": -8.0}), device=opencl_device).distance(points)
     assert np.abs(found - truth.kernel_distance(PLANE, points)).max() < 1e-14
+
+
+@pytest.mark.filterwarnings("ignore:the normals of mirrors 0")
+@pytest.mark.parametrize("size", [1e200, 1e-200, 1e-310])
+def test_normals_whose_squares_are_no_numbers(size: float, opencl_device: Device) -> None:
+    """Of a mirror and of a half-space: as those of length 1."""
+    half, ball = np.sqrt(0.5), BALL | {"c": [-2.0, 0, 0]}
+    diagonal, offset = np.array([1.0, 1.0, 0.0]), 0.3 / half
+    points = np.random.default_rng(3).normal(size=(100, 3))
+
+    def distance(kernel: Record, u: Array, w: float) -> Array:
+        record = {"mirrors": [{"u": u.tolist(), "w": w}], "kernels": [ball, kernel]}
+        return Model.from_dict(record, device=opencl_device).distance(points)
+
+    plane = PLANE | {"n": (half * diagonal).tolist(), "h": -4.0}
+    want = distance(plane, half * diagonal, 0.3)
+    far = PLANE | {"n": (size * diagonal).tolist(), "h": -4.0 / half * size}
+    np.testing.assert_allclose(distance(far, size * diagonal, offset * size), want, atol=1e-12)
 
 
 def said_of(record: Record, device: Device) -> list[str]:
