@@ -14,6 +14,7 @@ from krs_truth import Record, length, vector
 
 from thurston_cl.device import Device
 from thurston_cl.krs import Model
+from thurston_cl.krs.kernels import SAME_PLANE
 
 RECORDS = json.loads((DATA / "krs.json").read_text(encoding="utf-8"))
 
@@ -227,6 +228,14 @@ def test_one_warning_names_all_kernels_that_cross(opencl_device: Device) -> None
     assert said_of(moebius, opencl_device) == [
         "kernel 0 (by 0.75) reaches beyond the mirror of the same number; what is there is clipped"
     ]
+
+
+@pytest.mark.parametrize(("product", "told"), [(1 - 0.9 * SAME_PLANE, 0), (1 - 1.1 * SAME_PLANE, 1)])
+def test_a_half_space_that_faces_as_its_mirror(product: float, told: int, opencl_device: Device) -> None:
+    """On both sides of SAME_PLANE: bounded towards its own normal alone."""
+    n = [np.sqrt(1 - product**2), 0.0, product]
+    record = {"mirrors": [{"u": [0.0, 0, 1], "w": 0.0}], "kernels": [PLANE | {"n": n}, BALL]}
+    assert len(said_of(record, opencl_device)) == told
 
 
 def test_kernels_of_the_records_that_cross_are_named(opencl_device: Device) -> None:

@@ -13,15 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from thurston_cl.krs.kernels import EMPTY, Kernel, number, part_of, vector
+from thurston_cl.krs.kernels import EMPTY, SAME_PLANE, Kernel, number, part_of, vector
 from thurston_cl.krs.sequence import Mirror
 from thurston_cl.models import MODEL, PRODUCTS, off_model
 
 Array = NDArray[np.float64]
 
-# Products of unit normals are this near to 1 for planes that are the same.
-SAME_PLANE = 1e-12
-# How far a written point or normal may be off its model.
+# How far a point or normal that is given may be off its model.
 OFF_MODEL = 1e-6
 
 

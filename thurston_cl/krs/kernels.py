@@ -22,6 +22,8 @@ KINDS = {
     "torcap": ("toroidal_capsule", 4),
     "lens": ("lens_leaf", 5),
 }
+# Products of unit normals are this near to 1 for planes that face the same way.
+SAME_PLANE = 1e-12
 # Numbers of a kernel: kind, part, and what it has of its own.
 KERNEL_SIZE = 20
 
@@ -146,7 +148,7 @@ def _plane(entries: _Entries, part: int) -> Kernel:
 
     def reach(u: Array) -> float:
         # Bounded only towards its own normal.
-        return h if np.allclose(u, n, rtol=0, atol=1e-12) else np.inf
+        return h if u @ n > 1 - SAME_PLANE else np.inf
 
     own = (*n, 0.0, -h, 0.0, *first, 0.0, *second, 0.0)
     return Kernel("plane", part, own, None, reach, "half-space")

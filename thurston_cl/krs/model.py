@@ -18,8 +18,6 @@ from thurston_cl.models import off_model
 
 # As many instances are worked out one by one.
 MOST_EXPANDED = 1 << 20
-# Points may be off their model by so much.
-OFF_MODEL = 1e-6
 
 
 class Model:
@@ -150,7 +148,7 @@ class Model:
             return np.concatenate([array, np.ones((len(array), 1))], axis=1)
         array = array[:, self._order]
         off = np.abs(off_model(self.sequence.geometry, *array.T))
-        if off.size and off.max() > OFF_MODEL:
+        if off.size and off.max() > curved.OFF_MODEL:
             raise ValueError(f"point {int(off.argmax())} is off the model of {self.sequence.geometry}")
         return array
 
