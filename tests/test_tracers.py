@@ -264,6 +264,30 @@ def test_detail_leaves_no_speckle_far_away(tracer: str) -> None:
     np.testing.assert_array_equal(lit.channels["beauty"], unshaded.channels["beauty"])
 
 
+@pytest.mark.parametrize("tracer", ["direct", *TRACERS])
+def test_shadows_go_on_with_the_detail_of_what_they_fall_on(tracer: str) -> None:
+    """A light close behind a wall with a slit, seen from afar: through the slit, in which rays of the eye
+    would end, comes no light.
+    """
+    scene = (
+        "geometry: e3\ncamera: {at: [0, -60, 100], look: {to: [0, -1.5, 0]}, fov: 5 deg}\nobjects:\n"
+        "  - half-space: {normal: [0, 0, 1]}\n    material: {ambient: 0, specular: 0}\n"
+        "  - difference:\n      - {slab: {normal: [0, 1, 0], thickness: 0.1}, at: [0, 1, 0]}\n"
+        "      - slab: {normal: [1, 0, 0], thickness: 0.36}\n"
+        "    material: {ambient: 0, specular: 0}\n"
+        "lights: [{point: {at: [0, 4, 2], falloff: constant}, shadows: hard}]\n"
+        f"render: {{tracer: {tracer}, far: 300, detail: 4}}\n"
+    )
+    coarse, fine = (
+        render(load_text(text), size=SIZE, samples=1) for text in (scene, scene.replace(", detail: 4", ""))
+    )
+    # A pixel sees 0.16: the threshold is 0.65, of binary 0.2, and after the way to the light alone 0.05.
+    lit = (fine.channels["beauty"][..., 1] > 0.05) & (fine.channels["object"] == 1)
+    assert 0.03 < lit.mean() < 0.3
+    assert np.mean(coarse.channels["beauty"][lit][:, 1] > 0.05) < 0.02
+    assert coarse.statistics["shadow_steps"] < fine.statistics["shadow_steps"]
+
+
 def test_mirrors_go_on_with_the_detail_of_what_they_show() -> None:
     """A mirror to the horizon under a ball: what it shows is red or white, and nowhere the mirror itself."""
     scene = (
