@@ -17,13 +17,16 @@ from small_kernels import Body, SmallKernels
 
 from thurston_cl import program
 from thurston_cl.device import Device
+from thurston_cl.errors import SceneError
 from thurston_cl.image import Image
 from thurston_cl.models import GEOMETRIES, ISOTROPIC, PRODUCTS
 from thurston_cl.program import LANE_WIDTHS, geometry_parts
 from thurston_cl.rendering import Tile, TileRenderer, render
 from thurston_cl.scene import load_text
 from thurston_cl.scene.plan import make_plan
+from thurston_cl.scene.shapes import Solid
 from thurston_cl.scene.tracer import MOST_COMPONENTS
+from thurston_cl.scene.writer import Writer
 
 SIZE = (96, 64)
 THRESHOLD = 1e-4
@@ -479,6 +482,67 @@ def test_a_nan_ends_a_lane_and_no_other(tracer: str, lanes: int, opencl_device: 
         lost.append(2)
     assert np.isnan(t[lost]).all()
     np.testing.assert_array_equal(hit[lost], 0)
+
+
+# -- where distances hold ------------------------------------------------------------------------------------
+
+_BALL, _LEVEL = "ball: {radius: 0.2}", "half-space: {normal: [0, 0, 1], offset: -0.3}"
+_SEQUENCE = "levels: [{mirror: {normal: [1, 0, 0]}, kernel: {ball: {radius: 0.1, at: [-0.2, 0, 0]}}}]"
+SOLIDS = [
+    _BALL,
+    "cylinder: {radius: 0.2, along: [0, 0, 1]}",
+    "cylinder: {radius: 0.2, along: [1, 0, 0]}",
+    _LEVEL,
+    "half-space: {normal: [1, 0, 0], offset: -0.3}",
+    "half-space: {normal: [0, 0, 1], crossing: bisection}",
+    "slab: {normal: [0, 0, 1], thickness: 0.2}",
+    "slab: {normal: [1, 0, 0], thickness: 0.2}",
+    "horoball: {towards: [0, 0, 1], distance: 0.5}",
+    "pseudo-ball: {radius: 0.2}",
+    "pseudo-cylinder: {radius: 0.2, along: [0, 0, 1]}",
+    "pseudo-cylinder: {radius: 0.2, along: [1, 0, 0]}",
+    f"krs: {{kernel: {{{_BALL}}}, {_SEQUENCE}}}",
+    f"krs: {{kernel: {{{_BALL}}}, {_SEQUENCE}, empty-zones: [{{radius: 0.1, at: [0, 0, 0]}}]}}",
+    f"union: [{{{_BALL}}}, {{intersection: [{{{_BALL}}}, {{{_LEVEL}}}]}}]",
+    f"intersection: [{{{_BALL}}}, {{{_LEVEL}}}]",
+    f"difference: [{{{_BALL}}}, {{{_LEVEL}}}]",
+    f"complement: {{{_LEVEL}}}",
+    f"complement: {{{_BALL}}}",
+]
+
+
+def test_the_tracer_knows_which_distances_the_writer_makes_along_the_ray(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of all shapes in all geometries: where `relaxed` is refused, and only there."""
+    writers: list[Writer] = []
+
+    def kept(*given: Any) -> Writer:
+        writers.append(Writer(*given))
+        return writers[-1]
+
+    monkeypatch.setattr("thurston_cl.scene.plan.Writer", kept)
+    told: dict[str, set[bool]] = {solid: set() for solid in SOLIDS}
+    for geometry in GEOMETRIES:
+        for solid in SOLIDS:
+            scene = f"geometry: {geometry}\nobjects: [{{{solid}}}]\nrender: {{tracer: TRACER}}\n"
+            try:
+                make_plan(load_text(scene.replace("TRACER", "direct")))
+            except SceneError:
+                # There is no such shape there.
+                continue
+            try:
+                load_text(scene.replace("TRACER", "relaxed"))
+                refused = False
+            except SceneError as error:
+                assert "needs distances all around" in str(error)
+                refused = True
+            assert refused == writers[-1].directed, (geometry, solid)
+            told[solid].add(refused)
+    assert all(told.values())
+    assert set.union(*told.values()) == {True, False}
+    # A tile needs a manifold, which `relaxed` does not know.
+    assert {solid.split(":")[0] for solid in SOLIDS} == set(Solid.one_of) - {"tile"}
 
 
 # -- what is in the program ----------------------------------------------------------------------------------
