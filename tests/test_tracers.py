@@ -291,6 +291,25 @@ def test_shadows_go_on_with_the_detail_of_what_they_fall_on(tracer: str) -> None
     assert coarse.statistics["shadow_steps"] < fine.statistics["shadow_steps"]
 
 
+def test_what_is_more_than_a_threshold_behind_a_light_throws_no_shadow() -> None:
+    """Of binary tracing, whose balls end at the light: under a ceiling just above it."""
+    threshold = 0.02
+    scene = (
+        "geometry: e3\ncamera: {at: [-3, 0, 0.8], look: {to: [0, 0, 0]}}\nobjects:\n"
+        "  - half-space: {normal: [0, 0, 1]}\n"
+        f"  - slab: {{normal: [0, 0, 1], thickness: 0.2}}\n    at: [0, 0, {1.1 + 1.1 * threshold}]\n"
+        "lights: [{point: {at: [0, 0, 1], falloff: constant}, shadows: hard}]\n"
+        f"render: {{tracer: binary, threshold: {threshold}}}\n"
+    )
+    lit, plain = (
+        render(load_text(text), size=SIZE, samples=1)
+        for text in (scene, scene.replace(", shadows: hard", ""))
+    )
+    floor = lit.channels["object"] == 1
+    assert floor.mean() > 0.3
+    np.testing.assert_array_equal(lit.channels["beauty"][floor], plain.channels["beauty"][floor])
+
+
 def test_mirrors_go_on_with_the_detail_of_what_they_show() -> None:
     """A mirror to the horizon under a ball: what it shows is red or white, and nowhere the mirror itself."""
     scene = (
