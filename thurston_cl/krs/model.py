@@ -102,6 +102,9 @@ class Model:
     def normal(self, points: ArrayLike) -> Array:
         """Unit normals (N,3) or (N,4), the gradient of the distance to the nearest kernel, led back through
         the mirrors or maps, and smoothed over mirrors within their widths.
+
+        NaN where there is no gradient because all directions are alike: at the center of a ball, on the axis
+        of a capsule or of a toroidal one, and in S3 opposite to them.
         """
         normal = self._run("surface", [self._points(points)], 5, self._numbers)[:, :4]
         if self.sequence.geometry == "e3":
