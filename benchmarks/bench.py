@@ -13,11 +13,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from pathlib import Path
 
 import numpy as np
 from effects import effects, unit_costs
-from krs import krs
+from krs import PLOT, krs
 from race import SCENES, contender, race
 
 from thurston_cl import device as devices
@@ -25,9 +24,6 @@ from thurston_cl.device import Device
 from thurston_cl.program import LOCAL_SIZE, Source, build_widest, geometry_parts
 from thurston_cl.rendering import tiles
 from thurston_cl.sampling import sample_shifts
-
-# Where the plot of the time of sequences by their levels goes.
-FIGURE_12 = Path("build/krs-levels.png")
 
 # What we want of PoCL with AVX-512; the machine decides, so these are printed and not checked.
 TARGETS = {
@@ -170,7 +166,7 @@ def main() -> None:
     effects(device, repeat)
     unit_costs(device, repeat)
     sol_flow(device, repeat)
-    krs(device, repeat, FIGURE_12)
+    krs(device, repeat, PLOT)
     ideal_cube(device, repeat)
     memory()
 

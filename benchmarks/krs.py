@@ -41,6 +41,8 @@ EVALUATIONS = ("KRS distance", "KRS free ball", "Moebius free ball", "Moebius bo
 EVALUATED = 1 << 19
 
 LEVELS = (4, 7, 10, 13, 16, 19, 22, 25, 28)
+# Where the plot goes.
+PLOT = Path("build/krs-levels.png")
 SIZE, LARGE = (960, 600), (1920, 1200)
 # Mirrors of the single sequence that make eight trees of one; how far apart these stand.
 DOUBLINGS, APART = 3, 7.0
@@ -375,7 +377,7 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=3, help="counted runs of each case (default 3)")
     parser.add_argument("--device", help="as for `thurston render`")
     parser.add_argument("--levels", default=",".join(map(str, LEVELS)), help="which levels")
-    parser.add_argument("--plot", type=Path, default=Path("build/krs-levels.png"), help="where the plot goes")
+    parser.add_argument("--plot", type=Path, default=PLOT, help="where the plot goes")
     arguments = parser.parse_args()
     levels = [int(level) for level in arguments.levels.split(",")]
     krs(devices.choose(arguments.device), arguments.repeat, arguments.plot, levels)

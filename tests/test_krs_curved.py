@@ -234,6 +234,32 @@ MISTAKES = {
     "radius": ({"kernels": [{"c": [1.0, 0, 0, 0], "r": -0.1}] * 2}, r"r of kernel 0 is -0\.1"),
     "kind": ({"kernels": [{"type": "lens"}] * 2}, r"kernel 0 has type 'lens'; expected one of"),
     "missing": ({"kernels": [{"type": "sphere", "r": 1.0}] * 2}, r"kernel 0, a sphere, has no 'c'"),
+    "misspelt height": ({"space": "H2xE", "mirrors": [{"hight": 1}]}, r"^mirror 0 has no 'height'$"),
+    "text height": (
+        {"space": "H2xE", "mirrors": [{"height": "up"}]},
+        r"height of mirror 0 is 'up'; expected a finite number",
+    ),
+    "plane without normal": ({"kernels": [{"type": "plane"}] * 2}, r"^kernel 0, a plane, has no 'n'$"),
+    "plane of a product": (
+        {"space": "S2xE", "mirrors": [{"height": 1.0}], "kernels": [{"type": "plane", "hight": 1}] * 2},
+        r"^kernel 0, a plane, has neither 'n' nor 'height'$",
+    ),
+    "height of a plane": (
+        {"space": "S2xE", "mirrors": [{"height": 1.0}], "kernels": [{"type": "plane", "height": None}] * 2},
+        r"^height of kernel 0 is None; expected a finite number$",
+    ),
+    "capsule without length": (
+        {"kernels": [{"type": "capsule", "a": [1.0, 0, 0, 0], "b": [1.0, 0, 0, 0], "r": 0.1}] * 2},
+        r"^kernel 0: a capsule that begins where it ends; make it a ball$",
+    ),
+    "leaning capsule": (
+        {
+            "space": "S2xE",
+            "mirrors": [{"height": 1.0}],
+            "kernels": [{"type": "capsule", "a": [0.0, 0, 1, 0], "b": [0.6, 0, 0.8, 0], "r": 0.1}] * 2,
+        },
+        r"^kernel 0: in s2xe a capsule of a sequence is vertical$",
+    ),
 }
 
 

@@ -332,6 +332,21 @@ def test_normals_are_gradients(levels: int, depth: float, top: str | None, openc
     assert np.abs(normal - gradient)[smooth].max() < 1e-6
 
 
+def test_where_there_is_no_normal(opencl_device: Device) -> None:
+    """At centers and on axes, where the distance is known all the same; and a normal right beside them."""
+    ball = {"type": "sphere", "c": [0.25, 0, 0], "r": 0.5}
+    capsule = {"type": "capsule", "a": [0.0, 0, 0], "b": [0.0, 0, 1], "r": 0.5}
+    for kernel, at in ((ball, [0.25, 0, 0]), (capsule, [0.0, 0, 0.25]), (capsule, [0.0, 0, 0])):
+        found = model({"mirrors": [], "kernels": [kernel]}, opencl_device)
+        points = np.array([at, np.add(at, [1e-6, 0, 0])])
+        np.testing.assert_array_equal(found.distance(points[:1]), [-0.5])
+        np.testing.assert_allclose(found.normal(points), [[np.nan] * 3, [1, 0, 0]], atol=1e-9)
+    ball = {"type": "sphere", "c": [1.0, 0, 0, 0], "r": 0.5}
+    found = model({"space": "S3", "mirrors": [], "kernels": [ball]}, opencl_device)
+    assert np.isnan(found.normal([[1.0, 0, 0, 0], [-1.0, 0, 0, 0]])).all()
+    assert np.isfinite(found.normal([[0.6, 0.8, 0, 0]])).all()
+
+
 def test_normals_in_single_precision(opencl_device: Device) -> None:
     record = chain(4, 3)
     points = cut(models.points_around(record, 4000, 2), "single")

@@ -9,11 +9,12 @@ import krs_models as models
 import krs_truth as truth
 import numpy as np
 import pytest
-from golden import DATA
+from golden import DATA, Array
 from krs_truth import Record, length, vector
 
 from thurston_cl.device import Device
 from thurston_cl.krs import Model
+from thurston_cl.krs.kernels import SAME_PLANE
 
 RECORDS = json.loads((DATA / "krs.json").read_text(encoding="utf-8"))
 
@@ -160,6 +161,24 @@ def test_axes_and_normals_of_kernels_may_have_any_length(opencl_device: Device) 
     assert np.abs(found - truth.kernel_distance(PLANE, points)).max() < 1e-14
 
 
+@pytest.mark.filterwarnings("ignore:the normals of mirrors 0")
+@pytest.mark.parametrize("size", [1e200, 1e-200, 1e-310])
+def test_normals_whose_squares_are_no_numbers(size: float, opencl_device: Device) -> None:
+    """Of a mirror and of a half-space: as those of length 1."""
+    half, ball = np.sqrt(0.5), BALL | {"c": [-2.0, 0, 0]}
+    diagonal, offset = np.array([1.0, 1.0, 0.0]), 0.3 / half
+    points = np.random.default_rng(3).normal(size=(100, 3))
+
+    def distance(kernel: Record, u: Array, w: float) -> Array:
+        record = {"mirrors": [{"u": u.tolist(), "w": w}], "kernels": [ball, kernel]}
+        return Model.from_dict(record, device=opencl_device).distance(points)
+
+    plane = PLANE | {"n": (half * diagonal).tolist(), "h": -4.0}
+    want = distance(plane, half * diagonal, 0.3)
+    far = PLANE | {"n": (size * diagonal).tolist(), "h": -4.0 / half * size}
+    np.testing.assert_allclose(distance(far, size * diagonal, offset * size), want, atol=1e-12)
+
+
 def said_of(record: Record, device: Device) -> list[str]:
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
@@ -209,6 +228,14 @@ def test_one_warning_names_all_kernels_that_cross(opencl_device: Device) -> None
     assert said_of(moebius, opencl_device) == [
         "kernel 0 (by 0.75) reaches beyond the mirror that follows it; what is there is clipped"
     ]
+
+
+@pytest.mark.parametrize(("product", "told"), [(1 - 0.9 * SAME_PLANE, 0), (1 - 1.1 * SAME_PLANE, 1)])
+def test_a_half_space_that_faces_as_its_mirror(product: float, told: int, opencl_device: Device) -> None:
+    """On both sides of SAME_PLANE: bounded towards its own normal alone."""
+    n = [np.sqrt(1 - product**2), 0.0, product]
+    record = {"mirrors": [{"u": [0.0, 0, 1], "w": 0.0}], "kernels": [PLANE | {"n": n}, BALL]}
+    assert len(said_of(record, opencl_device)) == told
 
 
 def test_kernels_of_the_records_that_cross_are_named(opencl_device: Device) -> None:

@@ -27,6 +27,7 @@ OCTAVES = 5
 BODIES = {
     "sum": Body(4, 1, _SCENE + f"OUT(0, noise_value(p, IN(3), scene, 3, {OCTAVES}));"),
     "one": Body(3, 1, "OUT(0, gradient_noise(IN(0), IN(1), IN(2), 0));"),
+    "told": Body(1, 1, "OUT(0, told_apart(IN(0)));"),
     "left": Body(2, 1, "OUT(0, octave_left(IN(0), IN(1)));"),
     "color": Body(
         5,
@@ -140,6 +141,44 @@ def test_octaves_fade_until_a_pixel_is_as_long_as_their_cubes(opencl_device: Dev
     left = at.run("left", np.stack([3 * ratios, np.full(len(ratios), 3)]))[0]
     np.testing.assert_allclose(left, [1, 1, 1, 0.998, 0.5, 0.002, 0, 0, 0], atol=1e-5)
     np.testing.assert_array_equal(at.run("left", [[1, 1], [0, np.nan]])[0], 1)
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_octaves_fade_until_numbers_no_longer_tell_their_points_apart(
+    precision: str, opencl_device: Device
+) -> None:
+    """On both sides of NOISE_FAR cubes and of half as many, of the whole numbers of 32 bits and of all
+    numbers, along each axis; at every width.
+    """
+    far = constant("pattern/noise.h", "NOISE_FAR")
+    share = np.array([0.25, 0.499, 0.5, 0.501, 0.75, 0.999, 1.0, 1.001, 2.0**13, 2.0**14, 1e20])
+    want = [1, 1, 1, 0.998, 0.5, 0.002, 0, 0, 0, 0, 0]
+    at = kernels(opencl_device, precision, 4)
+    for sign in (1, -1):
+        np.testing.assert_allclose(at.run("told", sign * far * share[None])[0], want, atol=1e-5)
+    np.testing.assert_array_equal(at.run("told", [[np.nan, np.inf, -np.inf]])[0], 0)
+    points = points_of(6 * len(share), 20).reshape(6, -1, 3).astype(np.float64)
+    for axis, sign in np.ndindex(3, 2):
+        # A multiple of 1/32: single precision holds it up to there.
+        points[2 * axis + sign, :, axis] = (1 - 2 * sign) * (np.floor(far * share) + 0.40625)
+    points = points.reshape(-1, 3)
+    scaled = [2**o * points + o * SHIFT for o in range(OCTAVES)]
+    expected = np.zeros(len(points))
+    for o, octave in enumerate(scaled):
+        left = np.clip(2 - 2 * np.abs(octave) / far, 0, 1).prod(axis=1)
+        kept = np.where(left[:, None] > 0, octave, 0)
+        expected += 0.5**o * left * reference(kept, o)
+    inputs, numbers = np.vstack([points.T, np.full(len(points), 1e-9)]), [0, 0, 0, 1, 1, 1, 1]
+    alone = None
+    for lanes in LANE_WIDTHS:
+        got = kernels(opencl_device, precision, lanes).run("sum", inputs, numbers)[0]
+        np.testing.assert_allclose(got, expected, rtol=0, atol=0.1 if precision == "single" else 1e-9)
+        alone = got if alone is None else alone
+        np.testing.assert_array_equal(got, alone)
+    beyond = np.abs(points).max(axis=1) > far
+    assert beyond.sum() == 6 * 5
+    assert not got[beyond].any()
+    assert expected[~beyond].std() > 0.05
 
 
 def test_what_is_left_of_the_octaves(opencl_device: Device) -> None:

@@ -158,6 +158,7 @@ SEAMS: dict[str, dict[str, tuple[str, ...]]] = {
     "pattern/noise.h": {
         "NOISE_HEAD": (f"{NOISE}.test_colors_follow_each_other_evenly", "colors.ravel()"),
         "NOISE_SHARP_FROM": (f"{NOISE}.test_octaves_fade_until_a_pixel_is_as_long_as_their_cubes",),
+        "NOISE_FAR": (f"{NOISE}.test_octaves_fade_until_numbers_no_longer_tell_their_points_apart",),
         "NOISE_GAIN": (f"{NOISE}.test_values_are_spread_as_the_gain_says",),
         **{
             f"NOISE_SHIFT_{axis}": (

@@ -17,13 +17,16 @@ from small_kernels import Body, SmallKernels
 
 from thurston_cl import program
 from thurston_cl.device import Device
+from thurston_cl.errors import SceneError
 from thurston_cl.image import Image
 from thurston_cl.models import GEOMETRIES, ISOTROPIC, PRODUCTS
 from thurston_cl.program import LANE_WIDTHS, geometry_parts
 from thurston_cl.rendering import Tile, TileRenderer, render
 from thurston_cl.scene import load_text
 from thurston_cl.scene.plan import make_plan
+from thurston_cl.scene.shapes import Solid
 from thurston_cl.scene.tracer import MOST_COMPONENTS
+from thurston_cl.scene.writer import Writer
 
 SIZE = (96, 64)
 THRESHOLD = 1e-4
@@ -264,6 +267,49 @@ def test_detail_leaves_no_speckle_far_away(tracer: str) -> None:
     np.testing.assert_array_equal(lit.channels["beauty"], unshaded.channels["beauty"])
 
 
+@pytest.mark.parametrize("tracer", ["direct", *TRACERS])
+def test_shadows_go_on_with_the_detail_of_what_they_fall_on(tracer: str) -> None:
+    """A light close behind a wall with a slit, seen from afar: through the slit, in which rays of the eye
+    would end, comes no light.
+    """
+    scene = (
+        "geometry: e3\ncamera: {at: [0, -60, 100], look: {to: [0, -1.5, 0]}, fov: 5 deg}\nobjects:\n"
+        "  - half-space: {normal: [0, 0, 1]}\n    material: {ambient: 0, specular: 0}\n"
+        "  - difference:\n      - {slab: {normal: [0, 1, 0], thickness: 0.1}, at: [0, 1, 0]}\n"
+        "      - slab: {normal: [1, 0, 0], thickness: 0.36}\n"
+        "    material: {ambient: 0, specular: 0}\n"
+        "lights: [{point: {at: [0, 4, 2], falloff: constant}, shadows: hard}]\n"
+        f"render: {{tracer: {tracer}, far: 300, detail: 4}}\n"
+    )
+    coarse, fine = (
+        render(load_text(text), size=SIZE, samples=1) for text in (scene, scene.replace(", detail: 4", ""))
+    )
+    # A pixel sees 0.16: the threshold is 0.65, of binary 0.2, and after the way to the light alone 0.05.
+    lit = (fine.channels["beauty"][..., 1] > 0.05) & (fine.channels["object"] == 1)
+    assert 0.03 < lit.mean() < 0.3
+    assert np.mean(coarse.channels["beauty"][lit][:, 1] > 0.05) < 0.02
+    assert coarse.statistics["shadow_steps"] < fine.statistics["shadow_steps"]
+
+
+def test_what_is_more_than_a_threshold_behind_a_light_throws_no_shadow() -> None:
+    """Of binary tracing, whose balls end at the light: under a ceiling just above it."""
+    threshold = 0.02
+    scene = (
+        "geometry: e3\ncamera: {at: [-3, 0, 0.8], look: {to: [0, 0, 0]}}\nobjects:\n"
+        "  - half-space: {normal: [0, 0, 1]}\n"
+        f"  - slab: {{normal: [0, 0, 1], thickness: 0.2}}\n    at: [0, 0, {1.1 + 1.1 * threshold}]\n"
+        "lights: [{point: {at: [0, 0, 1], falloff: constant}, shadows: hard}]\n"
+        f"render: {{tracer: binary, threshold: {threshold}}}\n"
+    )
+    lit, plain = (
+        render(load_text(text), size=SIZE, samples=1)
+        for text in (scene, scene.replace(", shadows: hard", ""))
+    )
+    floor = lit.channels["object"] == 1
+    assert floor.mean() > 0.3
+    np.testing.assert_array_equal(lit.channels["beauty"][floor], plain.channels["beauty"][floor])
+
+
 def test_mirrors_go_on_with_the_detail_of_what_they_show() -> None:
     """A mirror to the horizon under a ball: what it shows is red or white, and nowhere the mirror itself."""
     scene = (
@@ -455,6 +501,67 @@ def test_a_nan_ends_a_lane_and_no_other(tracer: str, lanes: int, opencl_device: 
         lost.append(2)
     assert np.isnan(t[lost]).all()
     np.testing.assert_array_equal(hit[lost], 0)
+
+
+# -- where distances hold ------------------------------------------------------------------------------------
+
+_BALL, _LEVEL = "ball: {radius: 0.2}", "half-space: {normal: [0, 0, 1], offset: -0.3}"
+_SEQUENCE = "levels: [{mirror: {normal: [1, 0, 0]}, kernel: {ball: {radius: 0.1, at: [-0.2, 0, 0]}}}]"
+SOLIDS = [
+    _BALL,
+    "cylinder: {radius: 0.2, along: [0, 0, 1]}",
+    "cylinder: {radius: 0.2, along: [1, 0, 0]}",
+    _LEVEL,
+    "half-space: {normal: [1, 0, 0], offset: -0.3}",
+    "half-space: {normal: [0, 0, 1], crossing: bisection}",
+    "slab: {normal: [0, 0, 1], thickness: 0.2}",
+    "slab: {normal: [1, 0, 0], thickness: 0.2}",
+    "horoball: {towards: [0, 0, 1], distance: 0.5}",
+    "pseudo-ball: {radius: 0.2}",
+    "pseudo-cylinder: {radius: 0.2, along: [0, 0, 1]}",
+    "pseudo-cylinder: {radius: 0.2, along: [1, 0, 0]}",
+    f"krs: {{kernel: {{{_BALL}}}, {_SEQUENCE}}}",
+    f"krs: {{kernel: {{{_BALL}}}, {_SEQUENCE}, empty-zones: [{{radius: 0.1, at: [0, 0, 0]}}]}}",
+    f"union: [{{{_BALL}}}, {{intersection: [{{{_BALL}}}, {{{_LEVEL}}}]}}]",
+    f"intersection: [{{{_BALL}}}, {{{_LEVEL}}}]",
+    f"difference: [{{{_BALL}}}, {{{_LEVEL}}}]",
+    f"complement: {{{_LEVEL}}}",
+    f"complement: {{{_BALL}}}",
+]
+
+
+def test_the_tracer_knows_which_distances_the_writer_makes_along_the_ray(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of all shapes in all geometries: where `relaxed` is refused, and only there."""
+    writers: list[Writer] = []
+
+    def kept(*given: Any) -> Writer:
+        writers.append(Writer(*given))
+        return writers[-1]
+
+    monkeypatch.setattr("thurston_cl.scene.plan.Writer", kept)
+    told: dict[str, set[bool]] = {solid: set() for solid in SOLIDS}
+    for geometry in GEOMETRIES:
+        for solid in SOLIDS:
+            scene = f"geometry: {geometry}\nobjects: [{{{solid}}}]\nrender: {{tracer: TRACER}}\n"
+            try:
+                make_plan(load_text(scene.replace("TRACER", "direct")))
+            except SceneError:
+                # There is no such shape there.
+                continue
+            try:
+                load_text(scene.replace("TRACER", "relaxed"))
+                refused = False
+            except SceneError as error:
+                assert "needs distances all around" in str(error)
+                refused = True
+            assert refused == writers[-1].directed, (geometry, solid)
+            told[solid].add(refused)
+    assert all(told.values())
+    assert set.union(*told.values()) == {True, False}
+    # A tile needs a manifold, which `relaxed` does not know.
+    assert {solid.split(":")[0] for solid in SOLIDS} == set(Solid.one_of) - {"tile"}
 
 
 # -- what is in the program ----------------------------------------------------------------------------------

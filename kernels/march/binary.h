@@ -29,7 +29,7 @@ FN ray arrived(ray r, progress at) { return r; }
 
 FN ray march_step(ray r, progress *at, real limit, int max_steps, scene_data scene)
 {
-  // No ball reaches beyond the limit: what is behind a light throws no shadow on this side of it.
+  // No ball reaches beyond the limit, along the ray: what is more than a threshold behind a light throws no shadow on this side of it.
   real radius = fmin(at->radius, REAL(C(0.5)) * (limit - r.t));
   point c = add_scaled_4(r.p, r.v, radius);
   mask clear = scene_unbounding(c, radius, scene);

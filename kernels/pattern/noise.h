@@ -4,7 +4,8 @@
 // METHOD. Space is cut into unit cubes; at each corner stands a gradient from a hash of its whole coordinates, and between the corners
 // the linear functions of these gradients are joined by a quintic. Octave o is 2^o times as fine, 2^-o times as strong, and shifted,
 // so that the zeros at the corners do not meet. The hash is on whole numbers: the same in both precisions and at every width.
-// An octave that is finer than the pixel's footprint is long fades, and is left out where it would flicker.
+// An octave that is finer than the pixel's footprint is long fades, and is left out where it would flicker; and so does one as far out
+// as numbers no longer tell the points of a cube apart.
 //
 // Numbers: the reciprocals of the sizes along x, y and z; the smallest size; the `colors`, evenly spaced from the least value to the
 // greatest.
@@ -12,6 +13,10 @@
 
 // How much of an octave is left falls from 1 where its cubes are this many footprints wide to 0 where they are half as many.
 #define NOISE_SHARP_FROM 2
+
+// An octave falls from 1 where a coordinate is half as many cubes from 0 to 0 where it is so many: 2^18, where single precision still
+// tells 32 points of an edge apart. Whole numbers of 32 bits would end at 2^31; double does as single does, so that pictures agree.
+#define NOISE_FAR C(262144.0)
 
 // The sum of many octaves has the standard deviation 0.22: times this, two of them to each side are all colors.
 #define NOISE_GAIN C(1.13)
@@ -76,17 +81,27 @@ FN real octave_left(real size, real covered)
   return SELECT(left < REAL(1), fmax(left, REAL(0)), REAL(1));
 }
 
+// How much of an octave is left at a coordinate in units of its cubes; 0 of what is no number.
+FN real told_apart(real x)
+{
+  real left = fma(fabs(x), REAL(-2 / NOISE_FAR), REAL(2));
+  return SELECT(left > REAL(0), fmin(left, REAL(1)), REAL(0));
+}
+
 // The sum of all octaves at q, where a pixel sees the length `covered`.
 FN real noise_value(point q, real covered, scene_data scene, int k, int octaves)
 {
   real x = q.x * number(scene, k), y = q.y * number(scene, k + 1), z = q.z * number(scene, k + 2);
   real size = number(scene, k + 3), sum = REAL(0), strength = REAL(1);
   for (int octave = 0; octave < octaves; octave++) {
-    real left = octave_left(size, covered);
-    if (!ANY(left > REAL(0))) break;
-    real shift = REAL(octave);
-    sum = fma(strength * left, gradient_noise(fma(shift, REAL(NOISE_SHIFT_X), x), fma(shift, REAL(NOISE_SHIFT_Y), y),
-                                              fma(shift, REAL(NOISE_SHIFT_Z), z), (uint)octave), sum);
+    real shift = REAL(octave), left = octave_left(size, covered);
+    real a = fma(shift, REAL(NOISE_SHIFT_X), x), b = fma(shift, REAL(NOISE_SHIFT_Y), y), c = fma(shift, REAL(NOISE_SHIFT_Z), z);
+    left *= told_apart(a) * told_apart(b) * told_apart(c);
+    mask some = left > REAL(0);
+    if (!ANY(some)) break;
+    // What is not left has coordinates that no whole number holds.
+    real value = gradient_noise(SELECT(some, a, REAL(0)), SELECT(some, b, REAL(0)), SELECT(some, c, REAL(0)), (uint)octave);
+    sum = fma(strength * left, value, sum);
     x *= REAL(2);
     y *= REAL(2);
     z *= REAL(2);
@@ -109,6 +124,6 @@ SOLVER real3_lanes noise(point q, footprint f, scene_data scene, int k, int octa
     color = add_scaled_3(scale_3(before, REAL(1) - share), next, share);
   }
   // A point that is none has no color.
-  color.x += REAL(0) * value;
+  color.x += REAL(0) * (q.x + q.y + q.z);
   return color;
 }

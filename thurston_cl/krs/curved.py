@@ -13,15 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from thurston_cl.krs.kernels import EMPTY, Kernel, number, part_of, vector
+from thurston_cl.krs.kernels import EMPTY, SAME_PLANE, Kernel, number, part_of, vector
 from thurston_cl.krs.sequence import Mirror
 from thurston_cl.models import MODEL, PRODUCTS, off_model
 
 Array = NDArray[np.float64]
 
-# Products of unit normals are this near to 1 for planes that are the same.
-SAME_PLANE = 1e-12
-# How far a written point or normal may be off its model.
+# How far a point or normal that is given may be off its model.
 OFF_MODEL = 1e-6
 
 
@@ -47,7 +45,9 @@ class Space:
     def mirror(self, value: Any, what: str, width: float = 0.0) -> Mirror:
         """The mirror of a record."""
         if isinstance(value, Mapping) and self.geometry in PRODUCTS:
-            return level_mirror(number(value.get("height"), f"height of {what}"), 1.0, width)
+            if "height" not in value:
+                raise ValueError(f"{what} has no 'height'")
+            return level_mirror(number(value["height"], f"height of {what}"), 1.0, width)
         normal = vector(value, 4, what)[list(self.order)]
         if self.geometry in PRODUCTS and normal[3] != 0:
             raise ValueError(f"{what} is neither vertical nor horizontal; expected [x, y, z, 0] or height")
@@ -69,11 +69,18 @@ class Space:
                     radius = _positive(record["r"], what)
                     return sphere(self.geometry, self.point(record["c"], f"c of {what}"), radius, part)
                 case "plane":
-                    mirror = self.mirror(record.get("n", record), f"n of {what}")
+                    level = self.geometry in PRODUCTS and "n" not in record
+                    if level and "height" not in record:
+                        raise ValueError(f"{what}, a plane, has neither 'n' nor 'height'")
+                    mirror = self.mirror(record, what) if level else self.mirror(record["n"], f"n of {what}")
                     return plane(self.geometry, mirror, part)
                 case "capsule":
                     ends = [self.point(record[key], f"{key} of {what}") for key in ("a", "b")]
-                    return capsule(self.geometry, ends[0], ends[1], _positive(record["r"], what), part)
+                    radius = _positive(record["r"], what)
+                    try:
+                        return capsule(self.geometry, ends[0], ends[1], radius, part)
+                    except ValueError as error:
+                        raise ValueError(f"{what}: {error}") from None
         except KeyError as error:
             raise ValueError(f"{what}, a {kind}, has no {error.args[0]!r}") from None
         raise ValueError(f"{what} has type {kind!r}; expected one of: empty, sphere, plane, capsule")

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from thurston_cl.krs.vectors import length_of, two_across, unit
+
 Array = NDArray[np.float64]
 
 # By the name in a record: the file under kernels/krs, and the number by which it is known there.
@@ -20,6 +22,8 @@ KINDS = {
     "torcap": ("toroidal_capsule", 4),
     "lens": ("lens_leaf", 5),
 }
+# Products of unit normals are this near to 1 for planes that face the same way.
+SAME_PLANE = 1e-12
 # Numbers of a kernel: kind, part, and what it has of its own.
 KERNEL_SIZE = 20
 
@@ -93,8 +97,8 @@ class _Entries:
     def vector(self, key: str) -> Array:
         return vector(self._record[key], 3, f"{key} of {self.what}")
 
-    def unit(self, key: str) -> Array:
-        return unit(self.vector(key), f"{key} of {self.what}")
+    def direction(self, key: str) -> tuple[Array, float]:
+        return direction(self._record[key], f"{key} of {self.what}")
 
     def number(self, key: str) -> float:
         return number(self._record[key], f"{key} of {self.what}")
@@ -124,19 +128,12 @@ def number(value: Any, what: str) -> float:
     return float(value)
 
 
-def unit(direction: Array, what: str) -> Array:
-    """A direction (3,) of length 1."""
-    length = float(np.linalg.norm(direction))
-    if length == 0:
+def direction(value: Any, what: str) -> tuple[Array, float]:
+    """`value` as a vector (3,) of length 1, and its own length; ValueError that names `what`."""
+    array = vector(value, 3, what)
+    if not array.any():
         raise ValueError(f"{what} is the zero vector; expected a direction")
-    return direction / length
-
-
-def across(axis: Array) -> tuple[Array, Array]:
-    """Two unit vectors at right angles to a unit vector (3,) and to each other."""
-    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    first /= np.linalg.norm(first)
-    return first, np.cross(axis, first)
+    return unit(array), float(length_of(array))
 
 
 def _sphere(entries: _Entries, part: int) -> Kernel:
@@ -145,14 +142,13 @@ def _sphere(entries: _Entries, part: int) -> Kernel:
 
 
 def _plane(entries: _Entries, part: int) -> Kernel:
-    n, h = entries.vector("n"), entries.number("h")
-    length = float(np.linalg.norm(n))
-    n, h = unit(n, f"n of {entries.what}"), h / (length or 1.0)
-    first, second = across(n)
+    n, size = entries.direction("n")
+    h = entries.number("h") / size
+    first, second = two_across(n)
 
     def reach(u: Array) -> float:
         # Bounded only towards its own normal.
-        return h if np.allclose(u, n, rtol=0, atol=1e-12) else np.inf
+        return h if u @ n > 1 - SAME_PLANE else np.inf
 
     own = (*n, 0.0, -h, 0.0, *first, 0.0, *second, 0.0)
     return Kernel("plane", part, own, None, reach, "half-space")
@@ -185,7 +181,7 @@ def _toroidal_capsule(entries: _Entries, part: int) -> Kernel:
     sideways = h - a * along
     b = float(np.linalg.norm(sideways))
     if b <= _STRAIGHT * length:
-        out, b = across(along)[0], 0.0
+        out, b = two_across(along)[0], 0.0
         if abs(a) > 0.5 * length * (1 + _STRAIGHT):
             raise ValueError(f"m of {entries.what} is on the line through p and q, and not between them")
     else:
@@ -234,14 +230,14 @@ _STRAIGHT = 1e-12
 
 
 def _lens(entries: _Entries, part: int) -> Kernel:
-    c, axis = entries.vector("c"), entries.unit("a")
+    c, (axis, _) = entries.vector("c"), entries.direction("a")
     rim, half = entries.positive("b"), entries.positive("h")
     if half > rim:
         raise ValueError(
             f"h of {entries.what}, half the thickness, is {half:g}, more than the rim radius b, {rim:g}"
         )
     curvature = 2 * half / (rim * rim + half * half)
-    first, second = across(axis)
+    first, second = two_across(axis)
     own = (*c, *axis, *first, *second, rim, half, curvature)
 
     def reach(u: Array) -> float:

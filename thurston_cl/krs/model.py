@@ -18,8 +18,6 @@ from thurston_cl.models import off_model
 
 # As many instances are worked out one by one.
 MOST_EXPANDED = 1 << 20
-# Points may be off their model by so much.
-OFF_MODEL = 1e-6
 
 
 class Model:
@@ -105,6 +103,9 @@ class Model:
     def normal(self, points: ArrayLike) -> Array:
         """Unit normals (N,3) or (N,4), the gradient of the distance to the nearest kernel, led back through
         the mirrors or maps, and smoothed over mirrors within their widths.
+
+        NaN where there is no gradient because all directions are alike: at the center of a ball, on the axis
+        of a capsule or of a toroidal one, and in S3 opposite to them.
         """
         normal = self._run("surface", [self._points(points)], 5, self._numbers)[:, :4]
         if self.sequence.geometry == "e3":
@@ -151,7 +152,7 @@ class Model:
             return np.concatenate([array, np.ones((len(array), 1))], axis=1)
         array = array[:, self._order]
         off = np.abs(off_model(self.sequence.geometry, *array.T))
-        if off.size and off.max() > OFF_MODEL:
+        if off.size and off.max() > curved.OFF_MODEL:
             raise ValueError(f"point {int(off.argmax())} is off the model of {self.sequence.geometry}")
         return array
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl.krs import curved, moebius
-from thurston_cl.krs.kernels import Kernel, kernel_of, number, vector
+from thurston_cl.krs.kernels import Kernel, direction, kernel_of, number
 from thurston_cl.krs.sequence import MOST_LEVELS, Mirror, MoebiusSequence
 from thurston_cl.krs.sequence import Sequence as KernelSequence
 
@@ -102,11 +102,8 @@ def _mirrors(mirrors: Sequence[Any], widths: Sequence[float]) -> tuple[Mirror, .
         for key in ("u", "w"):
             if key not in mirror:
                 raise ValueError(f"mirror {i} has no {key!r}")
-        u = vector(mirror["u"], 3, f"u of mirror {i}")
-        length = float(np.linalg.norm(u))
-        if length == 0:
-            raise ValueError(f"u of mirror {i} is the zero vector; expected a direction")
-        made.append(plane_mirror(u / length, number(mirror["w"], f"w of mirror {i}") / length, width))
+        u, length = direction(mirror["u"], f"u of mirror {i}")
+        made.append(plane_mirror(u, number(mirror["w"], f"w of mirror {i}") / length, width))
         lengths.append(length)
     off = [i for i, length in enumerate(lengths) if abs(length - 1) > OFF_UNIT]
     if off:

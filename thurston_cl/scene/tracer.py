@@ -96,7 +96,7 @@ def _block_start(scene: "Scene") -> Iterator[Problem]:
 
 
 def _is_directed(solid: Solid, geometry: str) -> bool:
-    """Whether the distance to a solid is bounded along the ray alone (`writer.DIRECTED`)."""
+    """Whether the distance to a solid is bounded along the ray alone (`Writer.directed`)."""
     if isinstance(solid.shape, Krs):
         return bool(solid.shape.empty_zones)
     members = solid.shape if isinstance(solid.shape, tuple) else (solid.shape,)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl.krs.sequence import MOST_LEVELS
+from thurston_cl.krs.vectors import across, unit
 
 Vector = NDArray[np.float64]
 Record = dict[str, Any]
@@ -74,16 +75,6 @@ class Route:
     kernels: tuple[Record, ...]
     along: Vector  # direction of the last branch
     side: Vector  # a unit vector across it
-
-
-def unit(vector: Vector) -> Vector:
-    """The vector at length 1."""
-    return vector / np.linalg.norm(vector)
-
-
-def across(direction: Vector, wanted: Vector) -> Vector:
-    """The unit vector perpendicular to a unit direction that is nearest to a wanted one."""
-    return unit(wanted - (wanted @ direction) * direction)
 
 
 def branch(start: Vector, end: Vector, before: Vector, radius: float) -> Record:

@@ -4,7 +4,9 @@ import math
 
 import numpy as np
 
-from .branches import UP, Habit, Mirror, Record, Vector, best_walk, record, rosette, sectors, unit, walk
+from thurston_cl.krs.vectors import unit
+
+from .branches import UP, Habit, Mirror, Record, Vector, best_walk, record, rosette, sectors, walk
 
 # Radii, in that of the last branch: of its tip and of its buds; and how far buds are from its axis.
 _TIP = 1.12

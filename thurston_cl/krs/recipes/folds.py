@@ -7,7 +7,9 @@ the innermost, each by where the samples lie after the ones before it.
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
+
+from thurston_cl.krs.vectors import unit
 
 Array = NDArray[np.float64]
 Mirror = tuple[Array, float]  # unit normal, offset
@@ -15,12 +17,6 @@ EMPTY: dict[str, Any] = {"type": "empty"}
 GATHERING = 5  # how many mirrors turn a whole sphere to one side
 
 _ASKEW = 0.35  # standard deviation in radians, so that facets and pores stand in no grid
-
-
-def unit(vector: ArrayLike) -> Array:
-    """The vector(s) (..., 3) of length 1 in this direction."""
-    array = np.asarray(vector, dtype=float)
-    return array / np.linalg.norm(array, axis=-1, keepdims=True)
 
 
 def fold(points: Array, normal: Array, offset: float) -> Array:

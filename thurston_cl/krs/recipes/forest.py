@@ -5,7 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from .branches import Mirror, Record, Vector, record, unit
+from thurston_cl.krs.vectors import unit
+
+from .branches import Mirror, Record, Vector, record
 from .tree import tree
 
 # The land of a tree is known by so many points a side, and that of the forest by so many of their images, as

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from thurston_cl.krs.moebius import bend, rotation, translation
+from thurston_cl.krs.vectors import two_across, unit
 
-from .folds import Array, unit
+from .folds import Array
 from .pieces import moved
 
 # The points of kernels that are branches, from end to end.
@@ -95,5 +96,4 @@ def _measured(kernel: Mapping[str, Any]) -> tuple[float, list[Array]]:
 
 def _turn(normal: Array) -> Array:
     """A rotation that takes x to the normal."""
-    side = unit(np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))]))
-    return np.column_stack([normal, side, np.cross(normal, side)])
+    return np.column_stack([normal, *two_across(normal)])

@@ -17,8 +17,9 @@ from thurston_cl.krs.moebius import (
     rotation,
     translation,
 )
+from thurston_cl.krs.vectors import unit
 
-from .folds import EMPTY, Array, unit
+from .folds import EMPTY, Array
 from .pieces import spindle
 
 MOST_DOUBLINGS = 12

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from thurston_cl.krs.sequence import MOST_LEVELS
+from thurston_cl.krs.vectors import unit
 
-from .folds import GATHERING, farthest_turn, fold, over_ball, sequence, unit
+from .folds import GATHERING, farthest_turn, fold, over_ball, sequence
 
 LEAST_LEVELS = GATHERING + 1
 _SAMPLES = 6000

@@ -4,7 +4,9 @@ import math
 
 import numpy as np
 
-from .branches import Habit, Mirror, Record, best_walk, foliage, record, sectors, unit, walk
+from thurston_cl.krs.vectors import unit
+
+from .branches import Habit, Mirror, Record, best_walk, foliage, record, sectors, walk
 
 # How far the mirrors around the middle lean at most: stems at unequal angles, and still out of the ground.
 _LEAN = 0.08

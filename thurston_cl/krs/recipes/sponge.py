@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from thurston_cl.krs.sequence import MOST_LEVELS
+from thurston_cl.krs.vectors import unit
 
-from .folds import GATHERING, farthest_turn, longest_axis, over_ball, sequence, tilted, unit
+from .folds import GATHERING, farthest_turn, longest_axis, over_ball, sequence, tilted
 
 SKIN_LEVELS = GATHERING + 2  # the fewest mirrors that make pores
 _SAMPLES = 6000
