@@ -169,7 +169,7 @@ COMPARED = (
     "sol/one-light",
 )
 # Each object is marched by itself, the one that is next in most lanes first: steps depend on the packet.
-COMPOUND = ("e3/reef", "e3/rock-smooth")
+COMPOUND = ("e3/fish-school", "e3/reef", "e3/rock-smooth")
 
 
 @cache
