@@ -475,7 +475,7 @@ def test_half_spaces_before_their_mirror_do_not_reach_it(space: str, spaces: dic
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("name", ["h3/forest", "s3/basket", "h2xe/hall"])
+@pytest.mark.parametrize("name", ["h3/forest", "s3/woven-fibers", "h2xe/hall"])
 def test_scenes_do_not_warn_of_what_no_mirror_takes_away(name: str, opencl_device: Device) -> None:
     tc.render(tc.load_scene(name), size=(24, 16), samples=1, device=opencl_device)
 

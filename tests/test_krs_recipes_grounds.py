@@ -224,6 +224,17 @@ def test_fish_swim_one_way_and_apart(seed: int) -> None:
     np.testing.assert_allclose(middle.max(axis=0) + middle.min(axis=0), 0, atol=0.2)
 
 
+def test_every_fish_has_two_eyes() -> None:
+    record = fish_school(doublings=1, askew=0, spread=0)
+    model, fish = Model.from_dict(record), swum(record, 1)
+    middle = fish[:, 0] - (0.16, 0, 0)
+    for side in (-1, 1):
+        # They stand out from heads: a little behind or before them there is water.
+        assert (model.distance(middle + np.array([0, 0.06 * side, 0])) < 0).all()
+        for along in (-0.04, 0.04):
+            assert (model.distance(middle + np.array([along, 0.06 * side, 0])) > 0).all()
+
+
 def test_fish_is_symmetric() -> None:
     record = fish_school(doublings=1, seed=2)
     model = Model.from_dict(record)

@@ -73,7 +73,7 @@ OPEN = {
     "h3/forest": (0.45, 0.85),
     "h3/horoballs": (0.6, 0.95),
     "h3/hyperideal-cube": (0.25, 0.6),
-    "s3/basket": (0.35, 0.8),
+    "s3/woven-fibers": (0.35, 0.8),
     "s3/binary-tetrahedral-light-all": (0.75, 0.95),
     "s3/binary-tetrahedral-light-cell": (0.75, 0.95),
     "s3/binary-tetrahedral-light-neighbours": (0.75, 0.95),
@@ -158,7 +158,7 @@ COMPARED = (
     "e3/fish-school",
     "h3/hyperideal-cube",
     "h3/ideal-cube",
-    "s3/basket",
+    "s3/woven-fibers",
     "s3/quaternion-edges",
     "s2xe/floors-with-wells",
     "h2xe/orbi-torus-tile",
@@ -169,7 +169,7 @@ COMPARED = (
     "sol/one-light",
 )
 # Each object is marched by itself, the one that is next in most lanes first: steps depend on the packet.
-COMPOUND = ("e3/reef", "e3/rock-smooth")
+COMPOUND = ("e3/fish-school", "e3/reef", "e3/rock-smooth")
 
 
 @cache

@@ -107,5 +107,5 @@ def _fish() -> list[dict[str, Any]]:
         spindle((-0.34, 0, 0.01), (-0.62, 0, -0.2), 0.06, 0.012, _Y, 1),  # a lobe of the tail
         spindle((0.1, 0, -0.08), (-0.2, 0, -0.17), 0.07, 0.012, _Y, 1),  # a fin on the back and one below
         spindle((0.5, 0, 0), (-0.47, 0, 0), 0.135, 0.075, _Y, 0),
-        {"type": "sphere", "c": [0.34, -0.036, 0.022], "r": 0.024, "mat": 2},
+        {"type": "sphere", "c": [0.34, -0.036, 0], "r": 0.026, "mat": 2},
     ]
