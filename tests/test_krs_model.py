@@ -7,6 +7,7 @@ EPSILON * (levels + 1) * size, size the largest coordinate that there is. ROUNDI
 import functools
 import json
 import warnings
+from typing import Any
 
 import krs_models as models
 import krs_truth as truth
@@ -479,3 +480,9 @@ def test_no_point_has_no_distance(precision: str, opencl_device: Device) -> None
         found.distance([[0.0, 0.0]])
     assert found.distance(np.zeros((0, 3))).shape == (0,)
     assert found.normal(np.zeros((0, 3))).shape == (0, 3)
+
+
+def test_a_record_is_not_yet_a_sequence() -> None:
+    record: Any = {"mirrors": [], "kernels": [{"type": "sphere", "c": [0, 0, 0], "r": 1}]}
+    with pytest.raises(TypeError, match=r"use Model\.from_dict\(record\)"):
+        Model(record)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from .branches import UP, Habit, Mirror, Record, Vector, best_walk, record, rosette, sectors, unit, walk
+from .guard import guarded
 
 # Radii, in that of the last branch: of its tip and of its buds; and how far buds are from its axis.
 _TIP = 1.12
@@ -19,6 +20,7 @@ _LEAN = 0.08
 _OUTWARDS = math.radians(25)
 
 
+@guarded()
 def coral(
     *,
     stems: int = 0,

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from .branches import Mirror, Record, Vector, record, unit
+from .guard import COUNT, guarded
 from .tree import tree
 
 # The land of a tree is known by so many points a side, and that of the forest by so many of their images, as
@@ -20,6 +21,7 @@ _ASIDE = 0.1
 _CALMER = 0.7
 
 
+@guarded(doublings=COUNT)
 def forest(
     *,
     doublings: int = 10,

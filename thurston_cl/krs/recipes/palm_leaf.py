@@ -19,6 +19,7 @@ from thurston_cl.krs.moebius import (
 )
 
 from .folds import EMPTY, Array, unit
+from .guard import AMOUNT, guarded
 from .pieces import spindle
 
 MOST_DOUBLINGS = 12
@@ -27,6 +28,7 @@ _STEP = 1e-4  # between the points that tell which way the midrib goes, in dista
 _RIB = 0.2  # radius of the midrib, in the same
 
 
+@guarded(taper=AMOUNT)
 def palm_leaf(
     *,
     length: float = 1.0,

@@ -8,6 +8,7 @@ import numpy as np
 from thurston_cl.krs.sequence import MOST_LEVELS
 
 from .folds import GATHERING, farthest_turn, longest_axis, over_ball, sequence, tilted, unit
+from .guard import guarded
 
 SKIN_LEVELS = GATHERING + 2  # the fewest mirrors that make pores
 _SAMPLES = 6000
@@ -18,6 +19,7 @@ _ATTEMPTS = 200
 _OPEN = 0.04
 
 
+@guarded()
 def sponge(
     *,
     radius: float = 1.0,
