@@ -404,7 +404,12 @@ class Krs(Node):
         BeforeValidator(_zones),
         OneOrMore(),
         Says("an [empty zone](#empty-zone), or a list of them"),
-    ] = Field(default=(), alias="empty-zones", description="Balls out of which it is cut. In e3.")
+    ] = Field(
+        default=(),
+        alias="empty-zones",
+        description="Balls out of which it is cut, the ground of a forest too: for a glade "
+        "write `ground: false` and put a half-space below. In e3.",
+    )
 
     @property
     def recipe(self) -> Recipe | None:
