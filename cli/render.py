@@ -61,6 +61,12 @@ class _Film:
             return {"exposure": self.exposure, "view": self.view}
         return {"most": largest(image.channels[self.shows]) if self.most is None else self.most}
 
+    def note(self, image: Image) -> str:
+        """What is told of a heat map where it was left open what is black."""
+        if self.shows == "beauty" or self.most is not None:
+            return ""
+        return f" ({self.shows}, black at {self.words(image)['most']:g})"
+
 
 @dataclass(frozen=True)
 class _Target:
@@ -129,7 +135,7 @@ def _check_most(ctx: click.Context, param: click.Parameter, most: float | None) 
     cls=Option,
     group=OUTPUT,
     help="What the .png of -o shows: the picture, or a heat map of a ray's length or its number of steps, "
-    "from white for 0 to black. [default: beauty]",
+    "from white for 0 to black at --most. [default: beauty]",
 )
 @click.option(
     "--most",
@@ -396,7 +402,9 @@ def _report(
         noted = [*noted, f"{message}; try --precision double"]
         click.echo(f"thurston: warning: {noted[-1]}", err=True)
     if not quiet:
-        names = ", ".join(target.file for target in targets)
+        names = ", ".join(
+            target.file + (target.film.note(image) if _is_png(target.file) else "") for target in targets
+        )
         how = f"{statistics['precision']} precision on {statistics['device']}"
         click.echo(f"wrote {names}: {image.width}x{image.height} in {seconds:.1f} s, {how}", err=True)
     if as_json:

@@ -419,6 +419,8 @@ def test_heat_maps_of_the_scene(
     assert renderer.calls[0]["channels"] == ("depth", "steps")
     assert shown("a.png") == {(191, 191, 191)}
     assert shown("b.png") == {(0, 0, 0)}
+    # What was not said is.
+    assert result.stderr.startswith("wrote a.png, b.png (depth, black at 0.5): 8x6 in ")
     assert json.loads(result.stdout)["outputs"] == [
         {"file": "a.png", "channels": ["steps"], "most": 2.0},
         {"file": "b.png", "channels": ["depth"], "most": 0.5},
@@ -435,6 +437,9 @@ def test_heat_maps_of_the_command_line(
     assert list(read_image("a.exr").channels) == ["depth"]
     assert shown("a.png") == {(191, 191, 191)}
     assert read_image("a.png").metadata == {"scene": "text", "shows": "steps", "most": "2.0"}
+    assert result.stderr.startswith("wrote a.exr, a.png: 8x6 in ")
+    result = thurston("scene.yaml", *files, "--shows", "steps", "--force")
+    assert result.stderr.startswith("wrote a.exr, a.png (steps, black at 0.5): 8x6 in ")
 
 
 @pytest.mark.parametrize(

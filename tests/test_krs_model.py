@@ -7,6 +7,7 @@ EPSILON * (levels + 1) * size, size the largest coordinate that there is. ROUNDI
 import functools
 import json
 import warnings
+from typing import Any
 
 import krs_models as models
 import krs_truth as truth
@@ -494,3 +495,33 @@ def test_no_point_has_no_distance(precision: str, opencl_device: Device) -> None
         found.distance([[0.0, 0.0]])
     assert found.distance(np.zeros((0, 3))).shape == (0,)
     assert found.normal(np.zeros((0, 3))).shape == (0, 3)
+
+
+def test_a_record_is_not_yet_a_sequence() -> None:
+    record: Any = {"mirrors": [], "kernels": [{"type": "sphere", "c": [0, 0, 0], "r": 1}]}
+    with pytest.raises(TypeError, match=r"use Model\.from_dict\(record\)"):
+        Model(record)
+
+
+def test_the_mirrors_of_the_documentation_make_six_arms(opencl_device: Device) -> None:
+    """Copies on a mirror are not doubled: docs/scene.md says how to make six of one."""
+    text = (DATA.parents[1] / "docs" / "scene.md").read_text(encoding="utf-8")
+    normals = json.loads(f"[{text.split('Six arms of one along x: mirrors ')[1].split(' (its twigs)')[0]}]")
+    normals += json.loads(f"[{text.split('(its twigs), ')[1].split('. ')[0]}]")
+    record: Record = {
+        "mirrors": [{"u": (np.array(u) / np.linalg.norm(u)).tolist(), "w": 0} for u in normals],
+        "kernels": [
+            {"type": "capsule", "a": [0.5, 0, 0], "b": [0.7, 0, 0.2], "r": 0.03},
+            {"type": "capsule", "a": [0, 0, 0], "b": [1, 0, 0], "r": 0.05},
+            *[{"type": "empty"}] * (len(normals) - 1),
+        ],
+    }
+    angles = np.radians(np.arange(0, 360, 60))
+    along = np.stack([np.cos(angles), 0 * angles, np.sin(angles)], axis=-1)
+    beside = np.stack([-np.sin(angles), 0 * angles, np.cos(angles)], axis=-1)
+    m = clipped(record, opencl_device)
+    np.testing.assert_allclose(m.distance(along), -0.05, atol=1e-4)
+    for side in (0.2, -0.2):
+        np.testing.assert_allclose(m.distance(0.7 * along + side * beside), -0.03, atol=1e-4)
+    between = along + np.roll(along, 1, axis=0)
+    assert m.distance(between).min() > 0.5

@@ -12,14 +12,20 @@ import pytest
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
+from thurston_cl import krs
 from thurston_cl.device import Device
 from thurston_cl.krs import Model
 from thurston_cl.krs.recipes import branches
 from thurston_cl.krs.recipes.branches import Mirror, copies, faults
 from thurston_cl.krs.recipes.coral import coral
 from thurston_cl.krs.recipes.forest import forest
+from thurston_cl.krs.recipes.hyperbolic_forest import hyperbolic_forest
 from thurston_cl.krs.recipes.meadow import meadow
+from thurston_cl.krs.recipes.moebius_coral import moebius_coral
+from thurston_cl.krs.recipes.palm_leaf import palm_leaf
+from thurston_cl.krs.recipes.rock import rock
 from thurston_cl.krs.recipes.shrub import shrub
+from thurston_cl.krs.recipes.terrain import terrain
 from thurston_cl.krs.recipes.tree import tree
 from thurston_cl.krs.record import sequence_of
 from thurston_cl.scene.base import Problem, problems_of
@@ -436,6 +442,54 @@ def test_the_words_of_a_meadow() -> None:
     assert {problem.help for problem in problems_of(found.value)} >= {
         "write 'doublings': each two more make it twice as wide"
     }
+
+
+@pytest.mark.parametrize(
+    ("made", "given", "message"),
+    [
+        (tree, {"levels": 0}, "levels is 0; expected a whole number from 1"),
+        (tree, {"levels": 2.5}, "levels is 2.5; expected a whole number from 1"),
+        (tree, {"trunk": -1}, "trunk is -1; expected a number greater than 0"),
+        (tree, {"trunk": math.nan}, "trunk is nan; expected a number greater than 0"),
+        (tree, {"trunk": math.inf}, "trunk is inf; expected a number greater than 0"),
+        (tree, {"trunk": "long"}, "trunk is 'long'; expected a number greater than 0"),
+        (tree, {"upright": 1.1}, "upright is 1.1; expected a number from 0 to 1"),
+        (tree, {"seed": -1}, "seed is -1; expected a whole number from 0"),
+        (
+            forest,
+            {"spread": 26},
+            "expected an angle from 0 to pi/2 radians; in degrees: np.radians(26)",
+        ),
+        (tree, {"spread": -0.1}, "spread is -0.1; expected an angle from 0 to pi/2 radians"),
+        (
+            tree,
+            {"turn": 137.5},
+            "angle from -2 pi to 2 pi radians; in degrees: np.radians(137.5)",
+        ),
+        (forest, {"doublings": 0}, "doublings is 0; expected a whole number from 1"),
+        (moebius_coral, {"spread": 34}, "in degrees: np.radians(34)"),
+        (terrain, {"roughness": 6}, "in degrees: np.radians(6)"),
+        (palm_leaf, {"taper": -1}, "taper is -1; expected a number from 0"),
+        (hyperbolic_forest, {"forks": 0}, "forks is 0; expected a whole number from 1"),
+    ],
+)
+def test_parameters_have_a_range(made: Recipes, given: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError) as caught:
+        made(**given)
+    assert str(caught.value).endswith(message)
+
+
+def test_the_numbers_of_numpy_are_parameters() -> None:
+    assert tree(levels=np.int64(4), seed=np.uint8(2)) == tree(levels=4, seed=2)
+    # Of a rock the roughness is no angle, and a frond may not taper.
+    assert rock(levels=8, roughness=1.6)["kernels"]
+    assert palm_leaf(taper=0)["kernels"]
+
+
+def test_every_recipe_is_guarded() -> None:
+    for name in set(krs.__all__) - {"Map", "Model", "moebius"}:
+        with pytest.raises(ValueError, match="seed is -1; expected a whole number from 0"):
+            getattr(krs, name)(*[tree(levels=2)] * (name == "moebius_of"), seed=-1)
 
 
 def test_too_many_levels() -> None:

@@ -860,6 +860,22 @@ def test_too_many_kernels_to_look_at_have_no_place_in_a_manifold() -> None:
         make_plan(load_text(scene))
 
 
+@pytest.mark.parametrize(
+    ("krs", "column", "keys"),
+    [
+        ("{tree: {levels: 6}}", 17, "'trunk', 'thickness' and 'leaf-size'"),
+        ("{fish-school: {length: 5}}", 24, "'length'"),
+    ],
+)
+def test_a_recipe_too_large_for_a_cell_says_what_makes_it_smaller(krs: str, column: int, keys: str) -> None:
+    text = f"geometry: e3\nmanifold: three-torus\nobjects:\n  - krs: {krs}\n"
+    with pytest.raises(SceneError, match="too many images of this reach over the walls") as caught:
+        make_plan(load_text(text))
+    (found,) = caught.value.diagnostics  # type: ignore[attr-defined]
+    assert (found.line, found.column) == (4, column)
+    assert found.help == f"take a smaller {keys}, or a larger cell"
+
+
 # What the host and the kernels say to each other
 
 
@@ -1011,12 +1027,13 @@ def test_normals_that_are_not_unit_vectors_are_told_of() -> None:
 def test_the_names_of_the_module() -> None:
     """Each has a docstring; each recipe gives a record of plain numbers that a model takes."""
     recipes = set(tc.krs.__all__) - {"Map", "Model", "moebius", "moebius_of"}
-    assert len(recipes) == 11
+    assert len(recipes) == 13
     for name in tc.krs.__all__:
         assert getattr(tc.krs, name).__doc__, name
         assert name in dir(tc.krs)
     for name in recipes:
         json.dumps(getattr(tc.krs, name)())
+    assert tc.krs.seabed() == tc.krs.recipes.terrain.seabed() != tc.krs.terrain()
     small = tc.krs.tree(levels=4, leaves=0, seed=3)
     assert set(small) >= {"mirrors", "kernels"}
     bent = tc.krs.moebius_of(small, strength=0.1, seed=1)

@@ -616,9 +616,7 @@ MISTAKES = {
     "postion": Mistake(
         f"{E3}camera: {{postion: [0, 0, 0]}}\n", "3:10", "unknown key 'postion'", "did you mean 'at'?"
     ),
-    "bare angle": Mistake(
-        f"{E3}camera: {{fov: 90}}\n", "3:15", "an angle needs a unit: write '90 deg' or '90 rad'"
-    ),
+    "bare angle": Mistake(f"{E3}camera: {{fov: 90}}\n", "3:15", "an angle needs a unit: write '90 deg'"),
     "degree sign": Mistake(
         f"{E3}camera: {{fov: 90°}}\n", "3:15", "expected an angle such as '90 deg'", "write '90 deg'"
     ),
@@ -1634,9 +1632,6 @@ MISTAKES = {
         "write 'ball' for a ball",
         False,
     ),
-    "a hyperbolic forest in e3": Mistake(
-        a_sequence("hyperbolic-forest: {}"), "3:11", "this is made in h3, not in e3", "", False
-    ),
     "a hyperbolic forest of too many levels": Mistake(
         a_forest("doublings: 30, forks: 9, foliage: 4"),
         "3:42",
@@ -1732,7 +1727,125 @@ MISTAKES = {
         a_sequence("tree: {}", "h3"),
         "3:11",
         "this is made in e3, not in h3",
+        "write 'hyperbolic-forest'",
+        False,
+    ),
+    "a forest in h3": Mistake(
+        a_sequence("forest: {}", "h3"),
+        "3:11",
+        "this is made in e3, not in h3",
+        "write 'hyperbolic-forest'",
+        False,
+    ),
+    "a tree in s3": Mistake(
+        a_sequence("tree: {}", "s3"),
+        "3:11",
+        "this is made in e3, not in s3",
         "write 'levels', with mirrors and kernels",
+        False,
+    ),
+    "a hyperbolic forest in e3": Mistake(
+        a_sequence("hyperbolic-forest: {}"),
+        "3:11",
+        "this is made in h3, not in e3",
+        "write 'forest'",
+        False,
+    ),
+    "a twist in h3": Mistake(
+        a_sequence(f"{ONE_LEVEL}, twist: {{angle: 9 deg}}", "h3"),
+        "3:83",
+        "this is made in e3, not in h3",
+        "leave 'twist' out",
+        False,
+    ),
+    "an empty zone in h3": Mistake(
+        a_sequence(f"{ONE_LEVEL}, empty-zones: {{radius: 1}}", "h3"),
+        "3:83",
+        "this is made in e3, not in h3",
+        "leave 'empty-zones' out",
+        False,
+    ),
+    "a recipe of fish": Mistake(
+        a_sequence("fish: {}"), "3:11", "unknown key 'fish'", "did you mean 'fish-school'?"
+    ),
+    "a recipe of a palm": Mistake(
+        a_sequence("palm: {}"), "3:11", "unknown key 'palm'", "did you mean 'palm-leaf'?"
+    ),
+    "a recipe of grass": Mistake(
+        a_sequence("grass: {}"), "3:11", "unknown key 'grass'", "did you mean 'meadow'?"
+    ),
+    "a recipe of a seabed": Mistake(
+        a_sequence("seabed: {}"), "3:11", "unknown key 'seabed'", "did you mean 'terrain'?"
+    ),
+    "a recipe of a reef": Mistake(
+        a_sequence("reef: {}"),
+        "3:11",
+        "unknown key 'reef'",
+        "there is no recipe 'reef': write several objects, each with a 'coral'",
+    ),
+    "a color for a leaf": Mistake(
+        a_sequence("tree: {leaf: tomato}"),
+        "3:24",
+        "there is no material 'tomato'",
+        "for a plain color write 'leaf: {color: tomato}'",
+        False,
+    ),
+    "a color for what a record is made of": Mistake(
+        a_sequence(f"record: {{mirrors: [], kernels: [{BALL_KERNEL}]}}, made-of: [tomato]"),
+        "3:91",
+        "there is no material 'tomato'",
+        "for a plain color write '{color: tomato}'",
+        False,
+    ),
+    "a map that rotates": Mistake(
+        a_sequence("kernel: {ball: {radius: 0.1}}, moebius: [{map: [{rotate: 1}]}]"),
+        "3:60",
+        "unknown key 'rotate'",
+        "did you mean 'turn'?",
+    ),
+    "a map that translates": Mistake(
+        a_sequence("kernel: {ball: {radius: 0.1}}, moebius: [{map: [{translate: 1}]}]"),
+        "3:60",
+        "unknown key 'translate'",
+        "did you mean 'move'?",
+    ),
+    "a map that is no list": Mistake(
+        a_sequence("kernel: {ball: {radius: 0.1}}, moebius: [{map: {move: [1, 0, 0]}}]"),
+        "3:58",
+        "expected a list, found a mapping",
+        "write [{move: ...}]",
+    ),
+    "a map of two steps that is no list": Mistake(
+        a_sequence("kernel: {ball: {radius: 0.1}}, moebius: [{map: {scale: 2, move: [1, 0, 0]}}]"),
+        "3:58",
+        "expected a list, found a mapping",
+        "write [{scale: ...}, ...]",
+    ),
+    "a colored ball as a kernel": Mistake(
+        a_sequence(f"kernel: {{ball: {{radius: 0.1, color: red}}}}, {A_LEVEL}"),
+        "3:40",
+        "unknown key 'color'",
+        "write 'material: {color: ...}' beside 'ball'",
+    ),
+    "a capsule with a material as a kernel": Mistake(
+        a_sequence(
+            f"kernel: {{capsule: {{from: [0, 0, 0], to: [0, 0, 1], radius: 1, material: a}}}}, {A_LEVEL}"
+        ),
+        "3:73",
+        "unknown key 'material'",
+        "write 'material: {color: ...}' beside 'capsule'",
+    ),
+    "a ground of some color": Mistake(
+        a_sequence("forest: {ground: {color: red}}"),
+        "3:28",
+        "expected true or false, found a mapping",
+        "the ground's material is 'soil': write 'soil: {color: ...}'",
+    ),
+    "a tree that turns too far": Mistake(
+        a_sequence("tree: {turn: 361 deg}"),
+        "3:24",
+        "expected an angle from -360 to 360 deg; this is 361 deg",
+        "",
         False,
     ),
     "a record in h3": Mistake(
@@ -1906,7 +2019,7 @@ MISTAKES = {
             "kernels: [{type: sphere, c: [0, 0, 0], r: 1, mat: 2}, {type: empty}]}, made-of: [{color: red}]"
         ),
         "3:133",
-        "the record has a mat 2, and listed are 1, from mat 0",
+        "kernels have mat 0 to 2, and made-of lists 1 material",
         "list 3",
         False,
     ),
@@ -1928,7 +2041,7 @@ MISTAKES = {
         a_sequence("tree: {levels: 31}"), "3:26", "levels must be at most 30; this is 31", ""
     ),
     "a tree without an angle's unit": Mistake(
-        a_sequence("tree: {spread: 27}"), "3:26", "an angle needs a unit: write '27 deg' or '27 rad'", ""
+        a_sequence("tree: {spread: 27}"), "3:26", "an angle needs a unit: write '27 deg'", ""
     ),
     "a tree that spreads too far": Mistake(
         a_sequence("tree: {spread: 61 deg}"),
@@ -1962,7 +2075,7 @@ MISTAKES = {
         a_sequence("terrain: {levels: 6, ripples: 6}"),
         "3:41",
         "of 6 levels at most 5 make ripples",
-        "4 are usual",
+        "write 'ripples: 5' or 'levels: 7'",
         False,
     ),
     "a terrain that leans": Mistake(

@@ -37,6 +37,8 @@ class Model:
         device: "str | Device | None" = None,
         lanes: int | None = None,
     ) -> None:
+        if isinstance(sequence, Mapping):
+            raise TypeError("a record is not a sequence yet; use Model.from_dict(record)")
         self.sequence = sequence
         chosen = devices.choose(device) if device is None or isinstance(device, str) else device
         self._order = list(order)

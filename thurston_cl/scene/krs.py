@@ -29,10 +29,22 @@ MIRRORED = (*ISOTROPIC, *PRODUCTS)
 Width = Annotated[Number, AfterValidator(lambda value: _not_negative(value)), Says("number ≥ 0")]
 
 
+# What is made elsewhere, by the geometry it is asked for in: what to write instead.
+_CURES: dict[tuple[str, str | None], str] = {
+    **dict.fromkeys((("tree", "h3"), ("forest", "h3")), "write 'hyperbolic-forest'"),
+    ("hyperbolic-forest", "e3"): "write 'forest'",
+}
+
+
 def _not_negative(value: float) -> float:
     if value < 0:
         raise problem(f"expected a number from 0; this is {shown(value)}", "write 0 for none")
     return value
+
+
+def _painted_beside(key: str) -> dict[str, str]:
+    """What is said of a color or a material inside a shape."""
+    return dict.fromkeys(("color", "material"), f"write 'material: {{color: ...}}' beside '{key}'")
 
 
 class KernelBall(Node):
@@ -40,6 +52,7 @@ class KernelBall(Node):
 
     what = "a ball"
     example = "ball: {radius: 0.1, at: [0, 0, 1]}"
+    hints: ClassVar[Mapping[str, str]] = _painted_beside("ball")
 
     radius: Positive = Field(description="Its radius.")
     at: Point = Field(default=(0.0, 0.0, 0.0), description="Its center.")
@@ -50,6 +63,7 @@ class KernelHalfSpace(Node):
 
     what = "a half-space"
     example = "half-space: {normal: [0, 0, 1], offset: 0}"
+    hints: ClassVar[Mapping[str, str]] = _painted_beside("half-space")
 
     normal: Direction = Field(default=(0, 0, 1), description="Points out of it.")
     offset: Number = Field(default=0.0, description="How far along the normal the plane stands.")
@@ -60,6 +74,7 @@ class KernelCapsule(Node):
 
     what = "a capsule"
     example = "capsule: {from: [0, 0, 0], to: [0, 0, 1], radius: 0.1}"
+    hints: ClassVar[Mapping[str, str]] = _painted_beside("capsule")
 
     start: Point = Field(alias="from", description="One end of the segment.")
     to: Point = Field(description="The other end.")
@@ -80,6 +95,7 @@ class KernelArc(Node):
 
     what = "an arc"
     example = "arc: {from: [0, 0, 0], through: [0.1, 0, 0.5], to: [0, 0, 1], radius: 0.1}"
+    hints: ClassVar[Mapping[str, str]] = _painted_beside("arc")
 
     start: Vec3 = Field(alias="from", description="One end of the arc.")
     through: Vec3 = Field(description="A point of it between the ends; on their straight line: no bend.")
@@ -102,6 +118,7 @@ class KernelLeaf(Node):
 
     what = "a leaf"
     example = "leaf: {radius: 0.1, thickness: 0.03, across: [0, 0, 1]}"
+    hints: ClassVar[Mapping[str, str]] = _painted_beside("leaf")
 
     radius: Positive = Field(description="Radius of its rim.")
     thickness: Positive = Field(description="How thick it is in the middle; at most twice the radius.")
@@ -209,6 +226,10 @@ class MapStep(Node):
     what = "a step of a map"
     example = "- {move: [0, 0, 1]}"
     one_of = ("move", "turn", "scale", "bend")
+    hints: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("rotate", "rotation"), "did you mean 'turn'?"),
+        **dict.fromkeys(("translate", "shift"), "did you mean 'move'?"),
+    }
 
     move: Vec3 | None = Field(default=None, description="Move by a vector.")
     turn: MapTurn | None = Field(default=None, description="Turn about an axis through the origin.")
@@ -220,6 +241,14 @@ class MapStep(Node):
     )
 
 
+def _steps(value: Any) -> Any:
+    if isinstance(value, dict) and value:
+        first, *others = value
+        written = ", ".join([f"{{{first}: ...}}", *(["..."] if others else [])])
+        raise problem("expected a list, found a mapping", f"write [{written}]")
+    return value
+
+
 class MoebiusLevel(Node):
     """One level of a Moebius sequence: the plane x = 0 doubles what there is, on its negative side; the
     kernel is added; and then all of it goes through a conformal map.
@@ -228,7 +257,9 @@ class MoebiusLevel(Node):
     what = "a level"
     example = "- {map: [{bend: [0.1, 0, 0]}, {move: [-1, 0, 0]}], kernel: {ball: {radius: 0.1}}}"
 
-    map: Annotated[tuple[MapStep, ...], AtLeast(1)] = Field(description="Steps, the first made first.")
+    map: Annotated[tuple[MapStep, ...], AtLeast(1), BeforeValidator(_steps)] = Field(
+        description="Steps, the first made first."
+    )
     kernel: Kernel | None = Field(default=None, description="What is added beside the mirror images.")
     smooth: Width = Field(default=0.0, description="As of a [mirror](#mirror).")
 
@@ -321,6 +352,11 @@ class Krs(Node):
     hints: ClassVar[Mapping[str, str]] = {
         "mirrors": "write 'levels: [{mirror: ..., kernel: ...}, ...]', and 'kernel' for the innermost one",
         "material": "'material' stands beside 'krs', or with a kernel of its levels",
+        **dict.fromkeys(("fish", "school"), "did you mean 'fish-school'?"),
+        **dict.fromkeys(("palm", "frond"), "did you mean 'palm-leaf'?"),
+        **dict.fromkeys(("grass", "lawn"), "did you mean 'meadow'?"),
+        **dict.fromkeys(("seabed", "land", "hills"), "did you mean 'terrain'?"),
+        "reef": "there is no recipe 'reef': write several objects, each with a 'coral'",
     }
 
     kernel: Kernel | None = Field(
@@ -376,7 +412,12 @@ class Krs(Node):
         BeforeValidator(_zones),
         OneOrMore(),
         Says("an [empty zone](#empty-zone), or a list of them"),
-    ] = Field(default=(), alias="empty-zones", description="Balls out of which it is cut. In e3.")
+    ] = Field(
+        default=(),
+        alias="empty-zones",
+        description="Balls out of which it is cut, the ground of a forest too: for a glade "
+        "write `ground: false` and put a half-space below. In e3.",
+    )
 
     @property
     def recipe(self) -> Recipe | None:
@@ -412,7 +453,10 @@ class Krs(Node):
             made = given.geometries if isinstance(given, Recipe) else ("e3",)
             if given and key != "levels" and geometry not in made:
                 message = f"this is made in {', '.join(made)}, not in {geometry}"
-                yield Problem((key,), message, "write 'levels', with mirrors and kernels", True)
+                help = _CURES.get((key, geometry), "write 'levels', with mirrors and kernels")
+                if key not in self.one_of:
+                    help = f"leave '{key}' out"
+                yield Problem((key,), message, help, True)
         for key in ("levels", "moebius"):
             given = getattr(self, key)
             if given is not None and len(given) > MOST_LEVELS:
@@ -436,7 +480,8 @@ class Krs(Node):
         if self.record is not None:
             parts = max(kernel.part for kernel in self.record.sequence.kernels)
             if self.made_of and parts >= len(self.made_of):
-                message = f"the record has a mat {parts}, and listed are {len(self.made_of)}, from mat 0"
+                count = "1 material" if len(self.made_of) == 1 else f"{len(self.made_of)} materials"
+                message = f"kernels have mat 0 to {parts}, and made-of lists {count}"
                 yield Problem(("made-of",), message, f"list {parts + 1}")
             if geometry == "e3" and self.record.sequence.geometry != geometry:
                 message = f"this record is of {self.record.sequence.geometry}, and the scene of {geometry}"

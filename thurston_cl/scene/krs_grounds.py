@@ -145,7 +145,8 @@ class Terrain(Ground):
             yield Problem(("slope",), message, f"write more than {degrees} deg for 'steepest'")
         if self.ripples >= self.levels:
             message = f"of {self.levels} levels at most {self.levels - 1} make ripples"
-            yield Problem(("ripples",), message, "4 are usual")
+            cure = f"write 'ripples: {self.levels - 1}' or 'levels: {self.ripples + 1}'"
+            yield Problem(("ripples",), message, cure)
 
     def record(self) -> Mapping[str, Any]:
         return terrain(**{key: value for key, value in self.parameters.items() if key != "form"})

@@ -15,7 +15,7 @@ from thurston_cl.krs.recipes.shrub import shrub
 from thurston_cl.krs.recipes.tree import tree
 from thurston_cl.krs.sequence import MOST_LEVELS
 
-from .base import Problem
+from .base import Problem, problem
 from .context import Context
 from .krs_recipe import Recipe, within
 from .surfaces import Material, MaterialValue
@@ -30,6 +30,7 @@ Sowings = Annotated[int, Ge(4), Le(36), BeforeValidator(whole_number), Says("who
 # Wider forks, or branches that turn back, would go through those before them.
 Spread = Annotated[Angle, within(5, 60), Says("angle from 5 deg to 60 deg")]
 Outwards = Annotated[Angle, within(0, 70), Says("angle from 0 deg to 70 deg")]
+Turn = Annotated[Angle, within(-360, 360), Says("angle from -360 deg to 360 deg")]
 Roll = Annotated[Angle, within(0, 5), Says("angle from 0 deg to 5 deg")]
 
 _SPREAD = "How far the two branches of the first fork turn aside, on average; later forks are {}."
@@ -44,6 +45,13 @@ _SOIL = Material(color=color("#6f7a45"), specular=0.0, diffuse=0.9)
 _GRASS = Material(color=color("#7da23e"), specular=0.0, diffuse=0.8, ambient=0.2)
 _BODY = Material(color=color("#c4573f"))
 _TIP = Material(color=color("#f2dcc6"))
+
+
+def _whether(value: object) -> object:
+    if isinstance(value, dict):
+        cure = "the ground's material is 'soil': write 'soil: {color: ...}'"
+        raise problem("expected true or false, found a mapping", cure)
+    return value
 
 
 def _material(default: Material, what: str, looks: str) -> Any:
@@ -99,7 +107,7 @@ class Tree(Plant):
         description=_SPREAD.format("wider, by up to 20 deg"),
         json_schema_extra={"default": "26 deg"},
     )
-    turn: Angle = Field(
+    turn: Turn = Field(
         default=math.radians(137.5), description=_TURN, json_schema_extra={"default": "137.5 deg"}
     )
     trunk: Positive = Field(default=1.7, description="Length of the trunk.")
@@ -152,7 +160,7 @@ class Forest(Tree):
         description="How far mirrors lean, about: the more, the more the ground rises and falls.",
         json_schema_extra={"default": "1.2 deg"},
     )
-    ground: Flag = Field(
+    ground: Annotated[Flag, BeforeValidator(_whether)] = Field(
         default=True,
         description="Whether the ground is part of it. If not, all trees stand on z = 0, without `roll`.",
     )
@@ -193,7 +201,7 @@ class Shrub(Plant):
         description="How far stems lean outwards, about.",
         json_schema_extra={"default": "28 deg"},
     )
-    turn: Angle = Field(
+    turn: Turn = Field(
         default=math.radians(137.5), description=_TURN, json_schema_extra={"default": "137.5 deg"}
     )
     stem: Positive = Field(default=0.5, description="Length of a stem up to its first fork.")
@@ -273,9 +281,7 @@ class Coral(Plant):
         description=_SPREAD.format("as wide"),
         json_schema_extra={"default": "34 deg"},
     )
-    turn: Angle = Field(
-        default=math.radians(100), description=_TURN, json_schema_extra={"default": "100 deg"}
-    )
+    turn: Turn = Field(default=math.radians(100), description=_TURN, json_schema_extra={"default": "100 deg"})
     trunk: Positive = Field(default=0.35, description="Length of the first branch, out of the ground.")
     limb: Positive = Field(default=0.6, description="Length of the second branch.")
     ratio: Ratio = Field(default=0.86, description="Length of every other branch, in that of the one before.")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+from annotated_types import Gt
 from pydantic import AfterValidator
 
 from .base import Node, problem
@@ -23,6 +24,15 @@ class Recipe(Node):
     def record(self) -> Mapping[str, Any]:
         """The model as `thurston_cl.krs.Model.from_dict` takes it."""
         raise NotImplementedError
+
+    @classmethod
+    def lengths(cls) -> list[str]:
+        """The keys that make it larger or smaller."""
+        return [
+            key
+            for key, name in cls.keys().items()
+            if any(isinstance(m, Gt) for m in cls.model_fields[name].metadata)
+        ]
 
     @property
     def materials(self) -> tuple[Material, ...]:

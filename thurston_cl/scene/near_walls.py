@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,8 +130,20 @@ def images(
         for k in np.flatnonzero(lattice.clearance(centres) > -radius):
             reached[k] |= lattice.distance_from(centres[k]) < radius
     if not ended and reached[-max(1, len(near) // LAST) :].any():
-        raise ValueError("too many images of this reach over the walls; make it smaller, or the cell larger")
+        _too_many_images(solid)
     return near[reached]
+
+
+def _too_many_images(solid: schema.Solid) -> NoReturn:
+    """Raises ValueError, and says of a recipe which keys make it smaller."""
+    message, help = "too many images of this reach over the walls", "make it smaller, or the cell larger"
+    made = next((leaf.shape for leaf in _leaves(solid) if leaf.kind == "krs" and leaf.shape.recipe), None)
+    if made is None:
+        raise ValueError(f"{message}; {help}")
+    lengths = [f"'{key}'" for key in made.recipe.lengths()]
+    named = f"{', '.join(lengths[:-1])} and {lengths[-1]}" if len(lengths) > 1 else lengths[0]
+    help = f"take a smaller {named}, or a larger cell"
+    raise SequenceError(message, (made.kind,), help, made)
 
 
 def _leaves(solid: schema.Solid) -> Iterator[schema.Solid]:

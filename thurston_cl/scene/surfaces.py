@@ -382,6 +382,12 @@ class Material(Node):
             yield Problem(("diffuse",), message, f"leave diffuse out, or write {rest:g}")
 
 
+def _field(info: ValidationInfo) -> str:
+    """The key before a material, where it has one of its own."""
+    key = (info.field_name or "material").replace("_", "-")
+    return "" if key == "made-of" else f"{key}: "
+
+
 def _material(value: Any, info: ValidationInfo) -> Any:
     if not isinstance(value, str):
         return value
@@ -393,13 +399,13 @@ def _material(value: Any, info: ValidationInfo) -> Any:
     if bare != value:
         help = _known_names(bare, context, "materials")
         if bare in context.names("materials"):
-            help = f"a material goes by its bare name: write 'material: {bare}'"
+            help = f"a material goes by its bare name: write '{_field(info)}{bare}'"
     try:
         color(value)
     except ValueError:
         pass
     else:
-        help = f"for a plain color write 'material: {{color: {value}}}'"
+        help = f"for a plain color write '{_field(info)}{{color: {value}}}'"
     raise problem(f"there is no material '{value}'", help)
 
 

@@ -109,7 +109,9 @@ _ANGLE_PATTERN = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*(deg|rad|turn)\s*
 
 def _angle(value: object) -> float:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
-        raise problem(f"an angle needs a unit: write '{value:g} deg' or '{value:g} rad'")
+        # Nobody writes more than a turn in radians.
+        radians = f" or '{value:g} rad'" if abs(value) <= 2 * math.pi else ""
+        raise problem(f"an angle needs a unit: write '{value:g} deg'{radians}")
     if isinstance(value, str) and re.match(_ANGLE_PATTERN, value):
         amount, unit = re.split(r"(?=deg|rad|turn)", value.strip())
         angle = float(amount) * _UNITS[unit]

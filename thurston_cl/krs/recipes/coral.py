@@ -7,6 +7,7 @@ import numpy as np
 from thurston_cl.krs.vectors import unit
 
 from .branches import UP, Habit, Mirror, Record, Vector, best_walk, record, rosette, sectors, walk
+from .guard import guarded
 
 # Radii, in that of the last branch: of its tip and of its buds; and how far buds are from its axis.
 _TIP = 1.12
@@ -21,6 +22,7 @@ _LEAN = 0.08
 _OUTWARDS = math.radians(25)
 
 
+@guarded()
 def coral(
     *,
     stems: int = 0,

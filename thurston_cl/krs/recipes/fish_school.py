@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from .folds import EMPTY, Array, tilted
+from .guard import guarded
 from .pieces import moved, spindle
 
 # Beyond this even a list of where the fish are grows large: 32768 fish.
@@ -21,6 +22,7 @@ _HALVINGS = 6
 _ROUNDING = 1e-12
 
 
+@guarded()
 def fish_school(
     *,
     doublings: int = 5,

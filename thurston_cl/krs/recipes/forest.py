@@ -8,6 +8,7 @@ import numpy as np
 from thurston_cl.krs.vectors import unit
 
 from .branches import Mirror, Record, Vector, record
+from .guard import COUNT, guarded
 from .tree import tree
 
 # The land of a tree is known by so many points a side, and that of the forest by so many of their images, as
@@ -22,6 +23,7 @@ _ASIDE = 0.1
 _CALMER = 0.7
 
 
+@guarded(doublings=COUNT)
 def forest(
     *,
     doublings: int = 10,

@@ -19,6 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .guard import guarded
+
 Array = NDArray[np.float64]
 Record = dict[str, Any]
 
@@ -40,6 +42,7 @@ SMALLER = 0.96
 BARK, LEAF, GROUND, WALL = range(4)
 
 
+@guarded()
 def hyperbolic_forest(
     *,
     doublings: int = 22,

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from .branches import UP, Mirror, Record, Vector, record
+from .guard import guarded
 
 # Blades of the first tuft that are kernels, each doubled once less than the one before it.
 _BLADES = 4
@@ -20,6 +21,7 @@ _WITHIN, _SOWN = 0.35, 3
 _MOST_POINTS = 4096
 
 
+@guarded()
 def meadow(*, doublings: int = 24, blade: float = 0.3, thickness: float = 0.02, seed: int = 0) -> Record:
     """The record of a meadow about the origin of the ground z = 0, which is not part of it.
 

@@ -11,12 +11,14 @@ from thurston_cl.krs.moebius import bend, rotation, translation
 from thurston_cl.krs.vectors import two_across, unit
 
 from .folds import Array
+from .guard import guarded
 from .pieces import moved
 
 # The points of kernels that are branches, from end to end.
 _ENDS = {"capsule": "ab", "torcap": "pmq"}
 
 
+@guarded()
 def moebius_of(record: Mapping[str, Any], *, strength: float = 0.2, seed: int = 1) -> dict[str, Any]:
     """The Moebius record of a record whose mirrors go through forks, each part bent about its root.
 

@@ -20,6 +20,7 @@ from thurston_cl.krs.moebius import (
 from thurston_cl.krs.vectors import unit
 
 from .folds import EMPTY, Array
+from .guard import AMOUNT, guarded
 from .pieces import spindle
 
 MOST_DOUBLINGS = 12
@@ -28,6 +29,7 @@ _STEP = 1e-4  # between the points that tell which way the midrib goes, in dista
 _RIB = 0.2  # radius of the midrib, in the same
 
 
+@guarded(taper=AMOUNT)
 def palm_leaf(
     *,
     length: float = 1.0,

@@ -9,6 +9,7 @@ from thurston_cl.krs.sequence import MOST_LEVELS
 from thurston_cl.krs.vectors import unit
 
 from .folds import GATHERING, farthest_turn, fold, over_ball, sequence
+from .guard import guarded
 
 LEAST_LEVELS = GATHERING + 1
 _SAMPLES = 6000
@@ -21,6 +22,7 @@ _ATTEMPTS = 150
 _SMOOTH = 0.3
 
 
+@guarded()
 def rock(
     *, radius: float = 1.0, levels: int = 14, roughness: float = 1.0, smooth: float = 1.0, seed: int = 4
 ) -> dict[str, Any]:

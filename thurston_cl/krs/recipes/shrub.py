@@ -7,11 +7,13 @@ import numpy as np
 from thurston_cl.krs.vectors import unit
 
 from .branches import Habit, Mirror, Record, best_walk, foliage, record, sectors, walk
+from .guard import guarded
 
 # How far the mirrors around the middle lean at most: stems at unequal angles, and still out of the ground.
 _LEAN = 0.08
 
 
+@guarded()
 def shrub(
     *,
     stems: int = 3,

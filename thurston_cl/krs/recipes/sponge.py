@@ -9,6 +9,7 @@ from thurston_cl.krs.sequence import MOST_LEVELS
 from thurston_cl.krs.vectors import unit
 
 from .folds import GATHERING, farthest_turn, longest_axis, over_ball, sequence, tilted
+from .guard import guarded
 
 SKIN_LEVELS = GATHERING + 2  # the fewest mirrors that make pores
 _SAMPLES = 6000
@@ -19,6 +20,7 @@ _ATTEMPTS = 200
 _OPEN = 0.04
 
 
+@guarded()
 def sponge(
     *,
     radius: float = 1.0,

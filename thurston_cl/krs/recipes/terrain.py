@@ -8,6 +8,7 @@ import numpy as np
 from thurston_cl.krs.sequence import MOST_LEVELS
 
 from .folds import Array, fold, longest_axis, sequence, tilted
+from .guard import ANGLE, guarded
 
 # Terrain that is gentle and well aligned.
 SEABED: dict[str, Any] = {
@@ -26,6 +27,7 @@ LEAST_LEVELS = _UPRIGHT + 1
 _HALVINGS = 6
 
 
+@guarded(roughness=ANGLE)
 def terrain(
     *,
     size: float = 300.0,

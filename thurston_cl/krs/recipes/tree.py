@@ -5,8 +5,10 @@ import math
 import numpy as np
 
 from .branches import UP, Habit, Record, best_walk, foliage, record, walk
+from .guard import guarded
 
 
+@guarded()
 def tree(
     *,
     levels: int = 13,
