@@ -101,6 +101,12 @@ def test_the_gallery_is_of_the_scenes_that_the_readme_names(gallery: dict[str, A
     assert {library_scene(name).geometry for name in gallery["SCENES"]} == set(GEOMETRIES)
 
 
+def test_the_sheet_of_sequences_is_of_the_scenes_that_its_caption_names(gallery: dict[str, Any]) -> None:
+    page = (ROOT / "docs" / "scene.md").read_text(encoding="utf-8")
+    caption = page.split("](sequences.jpg)")[1].split("Five lines")[0]
+    assert tuple(re.findall("`([a-z0-9]+/[a-z-]+)`", caption)) == gallery["SEQUENCES"]
+
+
 def test_the_gallery_is_small_and_has_its_size(gallery: dict[str, Any]) -> None:
     file = ROOT / "docs" / "gallery.jpg"
     spec = oiio.ImageBuf(str(file)).spec()

@@ -1,8 +1,9 @@
-"""Draw the contact sheet docs/gallery.jpg: twelve scenes of the library, three in a row.
+"""Draw the contact sheets docs/gallery.jpg and docs/sequences.jpg: scenes of the library, three in a row.
 
     python docs/examples/gallery.py -o docs/gallery.jpg
+    python docs/examples/gallery.py --sequences -o docs/sequences.jpg
 
-The first run compiles twelve programs, which takes some minutes.
+The first run compiles a program for each scene, which takes some minutes.
 """
 
 import argparse
@@ -27,6 +28,18 @@ SCENES = (
     "sl2/genus-two-globes",
     "sol/one-light",
     "sol/mirrored-corner",
+)
+# Kernel-reflection sequences.
+SEQUENCES = (
+    "e3/tree-twisted",
+    "e3/grove",
+    "e3/forest-inside",
+    "e3/reef",
+    "e3/fish-school",
+    "e3/terrain",
+    "e3/palm-leaf",
+    "h3/forest",
+    "e3/sponge",
 )
 COLUMNS = 3
 WIDTH, HEIGHT = 320, 180
@@ -57,8 +70,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("-o", "--output", required=True, metavar="FILE.jpg")
     parser.add_argument("--samples", type=int, default=16, help="rays for each pixel")
+    parser.add_argument("--sequences", action="store_true", help="of kernel-reflection sequences")
     given = parser.parse_args()
-    pixels = sheet([picture(name, given.samples) for name in SCENES])
+    names = SEQUENCES if given.sequences else SCENES
+    pixels = sheet([picture(name, given.samples) for name in names])
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "uint8")
     spec.attribute("compression", "jpeg:88")
     spec.attribute("jpeg:subsampling", "4:4:4")
