@@ -155,7 +155,8 @@ class Model:
         array = array[:, self._order]
         off = np.abs(off_model(self.sequence.geometry, *array.T))
         if off.size and off.max() > curved.OFF_MODEL:
-            raise ValueError(f"point {int(off.argmax())} is off the model of {self.sequence.geometry}")
+            first = "" if self._order[0] == 0 else "; as in the record, the origin is [1, 0, 0, 0]"
+            raise ValueError(f"point {int(off.argmax())} is off the model of {self.sequence.geometry}{first}")
         return array
 
     def _run(self, name: str, arrays: list[Array], outputs: int, numbers: Array) -> Array:
