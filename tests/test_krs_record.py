@@ -42,6 +42,7 @@ MISTAKES: dict[str, tuple[Record, str]] = {
         {"space": "S3", "kernels": [{"c": [1.0, 0, 0, 0], "r": 0.1}]},
         "a record of a sequence has 'mirrors' or 'G', and 'kernels'",
     ),
+    "within nothing": (one(BALL) | {"within": 0}, "within is 0; expected a number greater than 0"),
     "unknown key": (one(BALL) | {"mirror": []}, "unknown key 'mirror'; did you mean 'mirrors'\\?"),
     "mirrors no list": ({"mirrors": 3, "kernels": [BALL]}, "mirrors is 3; expected a list"),
     "kernel no mapping": (one(3.0), r"kernel 0 is 3\.0; expected a mapping"),

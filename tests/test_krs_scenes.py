@@ -817,8 +817,8 @@ REFUSED = {
         {"krs": {"kernel": {"half-space": {}}, "levels": [{"mirror": {"normal": [1, 0, 0]}}]}},
         ("krs",),
     ),
-    "a rock in a union": (
-        {"union": [{"ball": {"radius": 0.1}}, {"krs": {"rock": {"radius": 0.1, "levels": 6}}}]},
+    "terrain in a union": (
+        {"union": [{"ball": {"radius": 0.1}}, {"krs": {"terrain": {"size": 1, "levels": 6}}}]},
         ("union", 1, "krs"),
     ),
 }
@@ -843,13 +843,23 @@ def test_a_sequence_without_bound_has_no_place_in_a_manifold(case: str) -> None:
                     {
                         "intersection": [
                             {"ball": {"radius": 0.3}},
-                            {"krs": {"rock": {"radius": 0.1, "levels": 6}}},
+                            {"krs": {"terrain": {"size": 1, "levels": 6}}},
                         ]
                     }
                 ),
             )
         )
     )
+
+
+def test_a_rock_is_held_by_a_ball_though_its_kernel_is_not() -> None:
+    """Its recipe knows how far it reaches, so that it has images in a manifold, and may be twisted."""
+    rock = {"rock": {"radius": 0.15, "levels": 8}}
+    scene = {"geometry": "e3", "manifold": "three-torus", "objects": [{"krs": rock, "at": [0.45, 0, 0]}]}
+    assert make_plan(load_text(json.dumps(scene))).object_images == 1
+    twisted = {"geometry": "e3", "objects": [{"krs": {**rock, "twist": {"angle": "10 deg"}}}]}
+    (own,) = make_plan(load_text(json.dumps(twisted))).sequences
+    assert own.sequence.radius == pytest.approx(1.8 * 0.15)
 
 
 def test_too_many_kernels_to_look_at_have_no_place_in_a_manifold() -> None:

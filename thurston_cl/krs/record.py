@@ -21,7 +21,7 @@ from thurston_cl.krs.sequence import Sequence as KernelSequence
 Array = NDArray[np.float64]
 
 _KEYS = {
-    "mirrors": ("mirrors", "kernels", "smooth"),
+    "mirrors": ("mirrors", "kernels", "smooth", "within"),
     "G": ("G", "kernels", "smooth"),
     "space": ("space", "mirrors", "kernels", "smooth"),
 }
@@ -64,7 +64,7 @@ def sequence_of(record: Mapping[str, Any]) -> KernelSequence | MoebiusSequence:
     elif form == "G":
         found = MoebiusSequence(tuple(map(_map, range(len(steps)), steps)), widths, _kernels(kernels))
     else:
-        found = KernelSequence("e3", _mirrors(steps, widths), _kernels(kernels))
+        found = KernelSequence("e3", _mirrors(steps, widths), _kernels(kernels), _within(record))
     return found
 
 
@@ -93,6 +93,15 @@ def _widths(smooth: Any, count: int) -> tuple[float, ...]:
     if any(width < 0 for width in widths):
         raise ValueError("smooth has a negative width; expected numbers from 0")
     return widths
+
+
+def _within(record: Mapping[str, Any]) -> float:
+    if "within" not in record:
+        return np.inf
+    radius = number(record["within"], "within")
+    if radius <= 0:
+        raise ValueError(f"within is {radius:g}; expected a number greater than 0")
+    return radius
 
 
 def _mirrors(mirrors: Sequence[Any], widths: Sequence[float]) -> tuple[Mirror, ...]:

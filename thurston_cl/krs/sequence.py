@@ -97,6 +97,8 @@ class Sequence(_Levels):
     geometry: str
     mirrors: tuple[Mirror, ...]
     kernels: tuple[Kernel, ...]
+    # In e3: about the origin, what holds it, where who made it knows; mirrors may bound a half-space.
+    within: float = math.inf
 
     # The functions of its file in kernels/krs begin with this.
     name = "sequence"
@@ -120,12 +122,19 @@ class Sequence(_Levels):
         if not self.bounded:
             return math.inf
         if self.geometry == "e3":
-            return self.balls.reach(np.zeros(3))
+            return min(self.within, self.balls.reach(np.zeros(3)))
         return self._curved_radius()
+
+    @property
+    def bounded(self) -> bool:
+        """Whether something is known to hold it."""
+        return super().bounded or math.isfinite(self.within)
 
     @cached_property
     def balls(self) -> Balls:
         """Balls of e3 that hold it, if it is bounded."""
+        if not super().bounded:
+            return Balls.none().with_ball((np.zeros(3), self.within))
         balls = Balls.none().with_ball(self.kernels[0].ball)
         for mirror, kernel in zip(self.mirrors, self.kernels[1:], strict=True):
             offset = -float(mirror.form[3] + mirror.form[4])

@@ -63,4 +63,4 @@ def _attempt(
     if not (inside @ outward).max() < height < (outside @ outward).min():
         return None
     plane = {"type": "plane", "n": outward.tolist(), "h": radius * height, "mat": 0}
-    return sequence(mirrors, {0: plane}, radius, widths)
+    return sequence(mirrors, {0: plane}, radius, widths) | {"within": OUTERMOST * radius}
