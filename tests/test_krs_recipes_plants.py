@@ -87,7 +87,7 @@ def model(record: dict[str, Any], device: Device) -> Model:
 @every_recipe
 def test_records_are_those_of_sequences(name: str, seed: int) -> None:
     record = made(name, seed)
-    assert set(record) == {"mirrors", "kernels"}
+    assert set(record) == {"mirrors", "kernels", "clips"}
     assert len(record["kernels"]) == len(record["mirrors"]) + 1 <= 41
     np.testing.assert_allclose(np.linalg.norm(normals(record), axis=1), 1, atol=1e-14)
     used = {kernel["mat"] for kernel in record["kernels"] if kernel["type"] != "empty"}
