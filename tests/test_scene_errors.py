@@ -1653,7 +1653,7 @@ MISTAKES = {
         a_forest("irregular: 2"), "3:42", "irregular must be at most 1; this is 2"
     ),
     "a hyperbolic forest with walls below 0": Mistake(
-        a_forest("wall: -1"), "3:37", "expected a number from 0; this is -1", "", False
+        a_forest("wall: -1"), "3:37", "wall must be at least 0; this is -1"
     ),
     "a hyperbolic forest with a material": Mistake(
         a_forest("material: gold"), "3:31", "unknown key 'material'", "'bark', 'leaf', 'ground' and 'stone'"
@@ -1978,16 +1978,12 @@ MISTAKES = {
     "a mirror with a negative width": Mistake(
         a_sequence("kernel: {ball: {radius: 0.1}}, levels: [{mirror: {normal: [1, 0, 0], smooth: -1}}]"),
         "3:88",
-        "expected a number from 0; this is -1",
-        "write 0 for none",
-        False,
+        "smooth must be at least 0; this is -1",
     ),
     "a Moebius level with a negative width": Mistake(
         a_sequence("kernel: {ball: {radius: 0.1}}, moebius: [{map: [{move: [1, 0, 0]}], smooth: -1}]"),
         "3:87",
-        "expected a number from 0; this is -1",
-        "write 0 for none",
-        False,
+        "smooth must be at least 0; this is -1",
     ),
     "a level without a mirror": Mistake(
         a_sequence("kernel: {ball: {radius: 0.1}}, levels: [{}]"),

@@ -1,10 +1,4 @@
 // moebius.cl - Moebius maps of R^3 over arrays (arrays.h), for the Python API; the numbers are those of one map.
-#define NUMBERS __constant const scalar *numbers
-FN scene_data of_numbers(__constant const scalar *numbers)
-{
-  scene_data scene = {numbers, 0, 0, 0, 0};
-  return scene;
-}
 FN point point_of(int c, __global const scalar *in, int stride) { return with_w(get_3(c, in, stride), REAL(1)); }
 
 // point 0-2 -> image 0-2, factor 3

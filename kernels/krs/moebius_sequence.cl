@@ -1,10 +1,4 @@
 // moebius_sequence.cl - a Moebius kernel-reflection sequence over arrays (arrays.h), for the Python API.
-#define NUMBERS __constant const scalar *numbers
-FN scene_data of_numbers(__constant const scalar *numbers)
-{
-  scene_data scene = {numbers, 0, 0, 0, 0};
-  return scene;
-}
 
 // point 0-3 -> bound of the distance 0
 __kernel void moebius_sequence_over_distance(ARRAYS, NUMBERS)

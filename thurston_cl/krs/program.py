@@ -68,6 +68,7 @@ def sequence_program(
         "scene_types.h",
         *sorted(part for part in own if part.startswith("shape/")),
         *krs_order(own),
+        "krs/numbers.h",
         f"krs/{name}.cl",
     )
     return ArrayProgram(Source(parts, {"PARTS": 1}), precision, device, lanes)
@@ -77,5 +78,6 @@ def sequence_program(
 def moebius_program(device: Device | None = None) -> ArrayProgram:
     """The entry points of krs/moebius.cl, in double where the device has it."""
     device = device or devices.choose()
-    parts = (*geometry_parts("e3"), "arrays.h", "scene_types.h", "krs/moebius_map.h", "krs/moebius.cl")
+    own = ("krs/moebius_map.h", "krs/numbers.h", "krs/moebius.cl")
+    parts = (*geometry_parts("e3"), "arrays.h", "scene_types.h", *own)
     return ArrayProgram(Source(parts), "double" if device.info.fp64 else "single", device, 1)

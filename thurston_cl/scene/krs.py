@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, ValidationInfo, WithJsonSchema
+from pydantic import BeforeValidator, Field, PlainValidator, ValidationInfo, WithJsonSchema
 
 from thurston_cl.krs.kernels import kernel_of
 from thurston_cl.krs.record import sequence_of
@@ -21,12 +21,10 @@ from .krs_recipe import Recipe
 from .parse import Location
 from .points import Point
 from .surfaces import Material, MaterialValue, OptionalMaterial
-from .values import Angle, AtLeast, Direction, Flag, Number, OneOrMore, Positive, Says, Vec3
+from .values import Angle, AtLeast, Direction, Flag, NotNegative, Number, OneOrMore, Positive, Says, Vec3
 
 # Geometries with mirrors: totally geodesic planes across every direction, or across and along the fiber.
 MIRRORED = (*ISOTROPIC, *PRODUCTS)
-# An explicit mirror is as sharp as this or sharper: widths are lengths, and never negative.
-Width = Annotated[Number, AfterValidator(lambda value: _not_negative(value)), Says("number ≥ 0")]
 
 
 # What is made elsewhere, by the geometry it is asked for in: what to write instead.
@@ -34,12 +32,6 @@ _CURES: dict[tuple[str, str | None], str] = {
     **dict.fromkeys((("tree", "h3"), ("forest", "h3")), "write 'hyperbolic-forest'"),
     ("hyperbolic-forest", "e3"): "write 'forest'",
 }
-
-
-def _not_negative(value: float) -> float:
-    if value < 0:
-        raise problem(f"expected a number from 0; this is {shown(value)}", "write 0 for none")
-    return value
 
 
 def _painted_beside(key: str) -> dict[str, str]:
@@ -187,7 +179,7 @@ class Mirror(Node):
     )
     offset: Number = Field(default=0.0, description="How far along the normal the plane stands.")
     at: Point = Field(default=(0.0, 0.0, 0.0), description="The point from which the normal points.")
-    smooth: Width = Field(
+    smooth: NotNegative = Field(
         default=0.0,
         description="Normals are blended within this distance of the mirror, so that the crease where "
         "surfaces meet on it is not seen; 0 keeps it.",
@@ -261,7 +253,7 @@ class MoebiusLevel(Node):
         description="Steps, the first made first."
     )
     kernel: Kernel | None = Field(default=None, description="What is added beside the mirror images.")
-    smooth: Width = Field(default=0.0, description="As of a [mirror](#mirror).")
+    smooth: NotNegative = Field(default=0.0, description="As of a [mirror](#mirror).")
 
 
 class Twist(Node):

@@ -5,29 +5,21 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar
 
 from annotated_types import Ge, Le
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import BeforeValidator, Field
 
 from thurston_cl.krs.recipes.hyperbolic_forest import hyperbolic_forest
 from thurston_cl.krs.sequence import MOST_LEVELS
 
-from .base import Problem, problem, shown
+from .base import Problem
 from .context import Context
 from .krs_recipe import Recipe, within
 from .surfaces import Material, MaterialValue
-from .values import Angle, Number, Positive, Ratio, Says, Seed, Weight, color, whole_number
-
-
-def _not_negative(value: float) -> float:
-    if value < 0:
-        raise problem(f"expected a number from 0; this is {shown(value)}", "write 0 for none")
-    return value
-
+from .values import Angle, NotNegative, Positive, Ratio, Says, Seed, Weight, color, whole_number
 
 Doublings = Annotated[int, Ge(1), Le(30), BeforeValidator(whole_number), Says("whole number from 1 to 30")]
 Forks = Annotated[int, Ge(1), Le(10), BeforeValidator(whole_number), Says("whole number from 1 to 10")]
 Few = Annotated[int, Ge(0), Le(6), BeforeValidator(whole_number), Says("whole number from 0 to 6")]
 Spread = Annotated[Angle, within(5, 60), Says("angle from 5 deg to 60 deg")]
-Width = Annotated[Number, AfterValidator(_not_negative), Says("number ≥ 0")]
 
 
 def _material(tint: str, description: str) -> Any:
@@ -80,7 +72,7 @@ class HyperbolicForest(Recipe):
     ratio: Ratio = Field(default=0.8, description="Length of a branch, in that of the one before it.")
     thickness: Positive = Field(default=0.075, description="Diameter of the trunk.")
     leaf_size: Positive = Field(default=0.019, alias="leaf-size", description="Diameter of a leaf, a ball.")
-    wall: Width = Field(
+    wall: NotNegative = Field(
         default=0.018,
         description="Diameter of the walls between the cells, half above the ground; 0 has none.",
     )

@@ -84,6 +84,7 @@ def _flag(value: object) -> bool:
 # The bounds stand before the validators, next to the plain type: only there do they reach the JSON Schema.
 Number = Annotated[float, BeforeValidator(number), Says("number")]
 Positive = Annotated[float, Gt(0), BeforeValidator(number), Says("number > 0")]
+NotNegative = Annotated[float, Ge(0), BeforeValidator(number), Says("number ≥ 0")]
 Fraction = Annotated[float, Gt(0), Lt(1), BeforeValidator(number), Says("number between 0 and 1")]
 Weight = Annotated[float, Ge(0), Le(1), BeforeValidator(number), Says("number from 0 to 1")]
 Ratio = Annotated[float, Ge(0.4), Le(1), BeforeValidator(number), Says("number from 0.4 to 1")]
