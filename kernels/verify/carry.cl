@@ -153,8 +153,8 @@ FN void unravel(carried c, direction d, real area, real *a, real *b)
 
 // column 0, row 1, place in the pixel 2-3, turn of the direction 4-5, length 6, the method's point 7-10 and velocity 11-14, how far at
 // most that point is from the surface 15 (a bound that holds along the ray alone says less)
-// -> turn that is missing 0-1, length that is missing 2, distance to the point 3, the turn that is missing to the nearest point of
-// the surface 4-5, area of the fields 6
+// -> turn that is missing 0-1, length that is missing 2, distance to the point 3, area of the fields 4; the point of the surface
+// nearest to the method's: turn that is missing to it 5-6, and itself 7-10
 // `walls` is where the buffer has `images` isometries that lead over walls.
 __kernel void verify_carry(ARRAYS, SCENE_TABLES, int walls, int images)
 {
@@ -194,8 +194,9 @@ __kernel void verify_carry(ARRAYS, SCENE_TABLES, int walls, int images)
   direction normal = pull_covector(q, gradient);
   real most = component(15, in, stride), down = fmin(fmax(scene_distance(q, v, scene), -most), most);
   point foot = on_model(translate(q, at_offset(scale_3(normal, -down / sqrt(dot_3(normal, normal))))));
+  put_4(foot, 7, out, stride);
 
-  // It may stand beyond a wall: what is nearest counts.
+  // They may stand beyond a wall: the image counts that is nearest.
   direction d = offset_from(c.p, q);
   for (int round = 0; round < VERIFY_ROUNDS; round++) {
     point from = q, foot_from = foot;
@@ -216,8 +217,8 @@ __kernel void verify_carry(ARRAYS, SCENE_TABLES, int walls, int images)
   put(b, 1, out, stride);
   put(dot_3(c.u, d), 2, out, stride);
   put(sqrt(dot_3(d, d)), 3, out, stride);
+  put(fabs(area), 4, out, stride);
   unravel(c, offset_from(c.p, foot), area, &a, &b);
-  put(a, 4, out, stride);
-  put(b, 5, out, stride);
-  put(fabs(area), 6, out, stride);
+  put(a, 5, out, stride);
+  put(b, 6, out, stride);
 }

@@ -15,6 +15,15 @@ FN ray verify_start(ARRAYS, scene_data scene)
   return view_ray(component(0, in, stride) + component(2, in, stride), component(1, in, stride) + component(3, in, stride), scene);
 }
 
+// column 0, row 1, place in the pixel 2-3 -> the point where the ray begins 0-3, its direction in the frame there 4-6
+__kernel void verify_view(ARRAYS, SCENE_TABLES)
+{
+  scene_data scene = {numbers, next_cell, seen_from, texels};
+  ray r = verify_start(in, out, stride, scene);
+  put_4(r.p, 0, out, stride);
+  put_3(pull(r.p, r.v), 4, out, stride);
+}
+
 // column 0, row 1, place in the pixel 2-3 -> length 0, steps 1, end 2, point 3-6, velocity 7-10, object 11
 __kernel void verify_trace(ARRAYS, SCENE_TABLES, int max_steps)
 {

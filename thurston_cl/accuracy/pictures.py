@@ -34,7 +34,7 @@ from thurston_cl.accuracy.rays import Array, Ends, ExactRays, Flags, Places, Ray
 from thurston_cl.device import Device
 from thurston_cl.method import Method
 from thurston_cl.scene import schema
-from thurston_cl.scene.picture import Size, views
+from thurston_cl.scene.picture import Area, Size, views
 
 # Percentiles that are told of errors.
 PERCENTILES = {"50": 50.0, "95": 95.0, "99": 99.0, "99.9": 99.9, "max": 100.0}
@@ -111,11 +111,15 @@ def quantiles(values: Array) -> dict[str, float] | None:
     return dict(zip(PERCENTILES, map(float, found), strict=True))
 
 
-def all_places(scene: schema.Scene, size: Size | None = None, shift: ArrayLike = (0.5, 0.5)) -> Places:
-    """Every pixel of a picture, of each eye that adds to it, seen at the place `shift` in it."""
+def all_places(
+    scene: schema.Scene, size: Size | None = None, shift: ArrayLike = (0.5, 0.5), area: Area | None = None
+) -> Places:
+    """Every pixel of an area (left, top, right, bottom) of a picture, by default of all of it, for each eye that
+    adds to it, seen at the place `shift` in the pixel.
+    """
     size = size or scene.render.size
     found: list[Places] = []
-    for view in views(scene.camera.layout, size, (0, 0, *size)):
+    for view in views(scene.camera.layout, size, area or (0, 0, *size)):
         left, top, right, bottom = view.area
         rows, columns = np.mgrid[top:bottom, left:right].reshape(2, -1)
         pixel = np.stack([columns, rows], axis=1).astype(np.float64)
@@ -215,34 +219,40 @@ def _angles(
 ) -> tuple[Array, Array, Array]:
     """The angle error (N,) and that of what is shown (N,), in radians, and the area (N,) of a solid angle of 1
     there.
-
-    To first order, and where that is no small share of half a pixel by Newton's method. Where it does not
-    come to the point, as behind a fold of the wave front, where no direction leads to it, first order stands.
     """
-    turn, length = np.zeros((len(places), 2)), ends.length.copy()
-    first = exact.offsets(places, turn, length, ends, reach)
-    angle, shown = np.hypot(*first.turn.T), np.hypot(*first.shown.T)
-    area = first.area
-    going = np.flatnonzero(~(np.maximum(angle, shown) <= _REFINED_ABOVE * half))
-    here = first[going]
+    first = exact.offsets(places, np.zeros((len(places), 2)), ends.length, ends, reach)
+    feet = dataclasses.replace(ends, point=first.foot)
+    angle = _refined(exact, places, ends, first.turn, first.length, half)
+    shown = _refined(exact, places, feet, first.shown, first.length, half)
+    return angle, shown, first.area
+
+
+def _refined(exact: ExactRays, places: Places, ends: Ends, turn: Array, ahead: Array, half: Array) -> Array:
+    """The angles (N,) of turns (N,2) that lead to first order to the points of `ends`, `ahead` (N,) of their
+    length.
+
+    By Newton's method where they are no small share of half a pixel. Where that does not come to the point, as
+    behind a fold of the wave front, where no direction leads to it, first order stands.
+    """
+    angle = np.minimum(np.hypot(*turn.T), np.pi)
+    going = np.flatnonzero(~(angle <= _REFINED_ABOVE * half))
+    step, ahead = turn[going], ahead[going]
+    at, length, nowhere = np.zeros((len(going), 2)), ends.length[going], np.zeros(len(going))
     for _ in range(_NEWTON_STEPS):
         if len(going) == 0:
             break
-        step, ahead = here.turn, here.length
         size = np.hypot(*step.T)
-        size, ahead = np.where(np.isfinite(size), size, np.inf), np.nan_to_num(ahead)
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.minimum(1.0, np.minimum(_MOST_TURN / size, _MOST_LENGTH / np.abs(ahead)))
-        turn[going] += np.nan_to_num(step * share[:, None], posinf=0, neginf=0)
-        length[going] = np.maximum(length[going] + ahead * share, 0.0)
-        here = exact.offsets(places[going], turn[going], length[going], ends[going], reach[going])
-        missing = np.hypot(*here.turn.T)
-        there = missing <= _ENOUGH * half[going]
-        arrived = going[there]
-        angle[arrived] = np.hypot(*(turn[going] + here.turn)[there].T)
-        shown[arrived] = np.hypot(*(turn[going] + here.shown)[there].T)
-        going, here = going[~there], here[~there]
-    return angle, shown, area
+            at = at + np.nan_to_num(step * share[:, None])
+            length = np.maximum(length + np.nan_to_num(ahead * share), 0.0)
+        found = exact.offsets(places[going], at, length, ends[going], nowhere)
+        step, ahead = found.turn, found.length
+        there = np.hypot(*step.T) <= _ENOUGH * half[going]
+        angle[going[there]] = np.hypot(*(at + step)[there].T)
+        going, at, length = going[~there], at[~there], length[~there]
+        step, ahead, nowhere = step[~there], ahead[~there], nowhere[~there]
+    return angle
 
 
 def worst(found: Errors, count: int) -> NDArray[np.intp]:

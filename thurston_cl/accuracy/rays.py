@@ -95,15 +95,17 @@ class Ends:
 @dataclass(frozen=True)
 class Offsets:
     """How far points are from exact geodesics, to first order: by which turn (N,2) of the direction at the
-    eye and by which length (N,) they are missed; their `distance` (N,); the turn (N,2) to the point of the
-    surface that is nearest to them; and the `area` (N,) that a solid angle of 1 has at this length.
+    eye and by which length (N,) they are missed; their `distance` (N,); the `area` (N,) that a solid angle of
+    1 has at this length; and by which turn (N,2) their `foot` (N,4) is missed, the point of the surface that is
+    nearest to them.
     """
 
     turn: Array
     length: Array
     distance: Array
-    shown: Array
     area: Array
+    shown: Array
+    foot: Array
 
     def __getitem__(self, which: Which) -> "Offsets":
         return Offsets(*_of_each(self, which))
@@ -146,6 +148,11 @@ class Rays:
         near = self.method.threshold if threshold is None else threshold
         angle = pixel_angle(self.scene.camera, self.size)
         return np.maximum(near, (self.scene.render.detail or 0.0) * angle * length)
+
+    def starts(self, places: Places) -> tuple[Array, Array]:
+        """Where the rays of places begin (N,4), and their directions (N,3) in the frame there."""
+        out = self._run("verify_view", places, [], 7, threshold=self.method.threshold)
+        return out[:, :4], out[:, 4:]
 
     def trace(self, places: Places, threshold: float | None = None, steps: int | None = None) -> Ends:
         """March the rays of places; threshold and steps in place of the method's."""
@@ -229,13 +236,13 @@ class ExactRays(Rays):
             "verify_carry",
             places,
             arrays,
-            7,
+            11,
             len(self._eyes[0]),
             len(images),
             threshold=self.method.threshold,
             more=images,
         )
-        return Offsets(out[:, :2], out[:, 2], out[:, 3], out[:, 4:6], out[:, 6])
+        return Offsets(out[:, :2], out[:, 2], out[:, 3], out[:, 4], out[:, 5:7], out[:, 7:])
 
 
 def _of_each(arrays: Places | Ends | Offsets, which: Which) -> Iterator[NDArray[Any]]:
