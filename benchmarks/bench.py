@@ -54,9 +54,10 @@ def ball_lattices(device: Device, repeat: int) -> None:
 # The geodesic flow of sol in a loop, by its closed form and by one step of Runge and Kutta's rule.
 FLOWS = {
     "flow": "vector v = with_w(u, REAL(0)); flow(&p, &v, t); u = first_3(v)",
-    "rk4": "rk4_step(&p, &u, t)",
+    "rk4": "motion y = {p, with_w(u, REAL(0))}; y = step_of(y, t); p = y.at; u = first_3(y.along)",
     "nothing": "u.x += t",
 }
+RK4 = ("flow/motion.h", "flow/field_left_invariant.h", "flow/rk4.h")
 FLOW_KERNEL = """
 __kernel void flow_{name}(__global const scalar *in, __global scalar *out, int stride, scalar time)
 {{
@@ -83,7 +84,7 @@ def sol_flow(device: Device, repeat: int) -> None:
         FLOW_KERNEL.format(name=name, loops=FLOW_LOOPS, statement=statement)
         for name, statement in FLOWS.items()
     )
-    source = Source((*geometry_parts("sol"), "flow/rk4.h", "flows"), generated={"flows": text})
+    source = Source((*geometry_parts("sol"), *RK4, "flows"), generated={"flows": text})
     program, lanes = build_widest(device, source, "single", lanes)
     directions = np.random.default_rng(0).normal(size=(3, FLOW_RAYS)).astype(np.float32)
     directions /= np.linalg.norm(directions, axis=0)

@@ -28,7 +28,7 @@ def measure(names: list[str]) -> dict[str, float]:
         scene = load_scene(name)
         plan = make_plan(scene, device=device, size=(32, 32))
         before = time.process_time()
-        renderer = TileRenderer(plan, device, "single", device.info.lane_width("single"), scene.render.finish)
+        renderer = TileRenderer(plan, device, device.info.lane_width("single"), scene.render.finish)
         # The first tile may choose the kernel of the others.
         for _ in range(2):
             renderer.run(Tile(0, 0, 32, 32), sample_shifts(1), ["beauty"])

@@ -28,6 +28,7 @@ from thurston_cl.krs.model import Model
 from thurston_cl.krs.recipes.moebius_of import moebius_of
 from thurston_cl.krs.recipes.tree import tree
 from thurston_cl.krs.sequence import MoebiusSequence
+from thurston_cl.method import Method
 from thurston_cl.program import LOCAL_SIZE
 from thurston_cl.rendering import TileRenderer, tiles
 from thurston_cl.scene import load_scene
@@ -146,9 +147,9 @@ def case(
     with warnings.catch_warnings():
         # Branches reach through the mirrors at their forks.
         warnings.simplefilter("ignore")
-        plan = make_plan(loaded, device=device)
+        plan = make_plan(loaded, device=device, method=Method.of(loaded, precision=precision))
     lanes = device.info.lane_width(precision)
-    return Case(name, levels, TileRenderer(plan, device, precision, lanes, "refill"), size)
+    return Case(name, levels, TileRenderer(plan, device, lanes, "refill"), size)
 
 
 def evaluation(device: Device, record: Record, name: str, repeat: int) -> float:

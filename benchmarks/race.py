@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from thurston_cl.device import Device
+from thurston_cl.method import Method
 from thurston_cl.rendering import TileRenderer, tiles
 from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import load_scene
@@ -61,8 +62,8 @@ def contender(
 ) -> Contender:
     """Build the program of one contender; `sets` change the scene, `switch` is that of `make_plan`."""
     scene = load_scene(SCENES / scene_file, sets=sets)
-    plan = make_plan(scene, device=device, switch=switch)
-    return Contender(name, TileRenderer(plan, device, precision, lanes, finish), scene.render.size)
+    plan = make_plan(scene, device=device, method=Method.of(scene, precision=precision), switch=switch)
+    return Contender(name, TileRenderer(plan, device, lanes, finish), scene.render.size)
 
 
 def race(title: str, contenders: list[Contender], repeat: int) -> None:

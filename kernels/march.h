@@ -56,7 +56,7 @@ FN real hit_threshold(ray r, scene_data scene) { return threshold_at(r.before + 
 FN ray moved_by(ray r, real t, scene_data scene)
 {
   ray moved = r;
-  flow(&moved.p, &moved.v, t);
+  ray_flow(&moved.p, &moved.v, t);
 #ifdef IN_QUOTIENT
   teleport(&moved, scene);
 #endif

@@ -1,17 +1,6 @@
-// numerics.cl - the geometry contract over arrays (arrays.h), for the Python API. One kernel a function.
+// numerics.cl - the geometry contract over arrays (arrays.h), for the Python API; the flow is flow.cl. One kernel a function.
 //
 // Points have 4 components, directions 3.
-
-// base 0-3, direction 4-6, time 7, time_tail 8 -> point 0-3, direction 4-6
-__kernel void numerics_flow(ARRAYS)
-{
-  point base = get_4(0, in, stride);
-  direction u = get_3(4, in, stride);
-  point reached = exponential(&u, component(7, in, stride), component(8, in, stride));
-  put_4(on_model(translate(base, reached)), 0, out, stride);
-  direction arriving = turn_frame(base, reached, u);
-  put_3(scale_3(arriving, unit_correction(dot_3(arriving, arriving))), 4, out, stride);
-}
 
 // base 0-3, direction 4-6, time 7, time_tail 8 -> the matrix of parallel transport between the frames, row by row 0-8
 __kernel void numerics_transport(ARRAYS)

@@ -174,8 +174,8 @@ ALL = text(
 )
 
 
-def run(plan: Any, device: Device, precision: str = "single") -> tuple[dict[str, Array], dict[str, float]]:
-    renderer = TileRenderer(plan, device, precision, 4, "packet")
+def run(plan: Any, device: Device) -> tuple[dict[str, Array], dict[str, float]]:
+    renderer = TileRenderer(plan, device, 4, "packet")
     return renderer.run(Tile(0, 0, *SIZE), sample_shifts(1), ("beauty", "depth"))  # type: ignore[return-value]
 
 

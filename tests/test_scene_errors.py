@@ -1337,6 +1337,18 @@ MISTAKES = {
         "far must be greater than threshold, which is 0.0001",
         schema=False,
     ),
+    "a step of the exact flow": Mistake(
+        f"{E3}render: {{flow-step: 0.1}}\n",
+        "3:10",
+        "flow-step is that of an integrator, and the flow is exact",
+        "leave it out, or write a flow such as 'flow: rk4'",
+        schema=False,
+    ),
+    "steps of nothing": Mistake(
+        f"{E3}render: {{flow: rk4, flow-step: 0}}\n",
+        "3:34",
+        "flow-step must be at least 0.0001; this is 0",
+    ),
     "detail of no pixels": Mistake(
         f"{E3}render: {{detail: 0}}\n", "3:18", "detail must be greater than 0; this is 0"
     ),

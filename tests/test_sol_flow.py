@@ -23,7 +23,7 @@ from small_kernels import Body, SmallKernels
 import thurston_cl.program
 from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
-from thurston_cl.program import geometry_parts, kernel_text
+from thurston_cl.program import kernel_text
 
 LANES = 16
 PHASE_PART, FLOW_PART = "geometry/sol_phase.h", "geometry/sol_flow.h"
@@ -274,27 +274,6 @@ def test_planes_go_on_to_the_end_of_double_precision(opencl_device: Device) -> N
     u, t, off = errors_of(rays, "double", opencl_device)
     check("beyond PHASE_END: point", "double", (u, t), off.points, 1e-15)
     check("beyond PHASE_END: direction", "double", (u, t), off.directions, 1e-13)
-
-
-def test_a_step_of_runge_and_kutta(opencl_device: Device) -> None:
-    """flow/rk4.h, which the flow is timed against: its error is of order five."""
-    body = Body(
-        8,
-        7,
-        """point p = POINT(0); direction u = {IN(4), IN(5), IN(6)};
-  rk4_step(&p, &u, IN(7));
-  OUT(0, p.x); OUT(1, p.y); OUT(2, p.z); OUT(3, p.w); OUT(4, u.x); OUT(5, u.y); OUT(6, u.z);""",
-    )
-    parts = (*geometry_parts("sol"), "flow/rk4.h")
-    kernels = SmallKernels(opencl_device, parts, {"step": body}, "double", 4)
-    u = sol.directions(list(random_rays()), "double")
-    base = np.column_stack([np.random.default_rng(7).normal(size=(len(u), 3)), np.ones(len(u))])
-    off = []
-    for h in (0.1, 0.05):
-        want, ahead = geometry("double", opencl_device).flow(u, h, base)
-        got = kernels.run("step", np.column_stack([base, u, np.full(len(u), h)]).T).T
-        off.append((np.median(sol.errors(want, got[:, :4])), np.median(np.abs(got[:, 4:] - ahead))))
-    assert max(off[0]) < 1e-6 and (np.divide(*off) > 24).all() and (np.divide(*off) < 40).all(), off
 
 
 # -- the integral of second kind -----------------------------------------------------------------------------

@@ -597,7 +597,7 @@ def test_images_too_large_for_the_device_are_an_error_at_their_line(opencl_devic
     # Takes no memory itself.
     plan.texels = np.broadcast_to(np.float32(0), (most // 4 + 1,))
     with pytest.raises(SceneError, match=r"scene\.yaml:3:60: error: the images of the scene take \d+ bytes"):
-        TileRenderer(plan, opencl_device, "single", 1, "packet")
+        TileRenderer(plan, opencl_device, 1, "packet")
 
 
 def test_the_image_library_is_loaded_only_for_an_image() -> None:

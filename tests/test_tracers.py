@@ -400,7 +400,7 @@ def test_blocks_start_before_the_surface(
     if value is not None:
         with_constant(monkeypatch, "block_start.cl", name, value)
     plan = make_plan(load_text(text(way("direct", "block"), far=4.0)), device=opencl_device, size=SIZE)
-    renderer = TileRenderer(plan, opencl_device, "single", 16, "packet")
+    renderer = TileRenderer(plan, opencl_device, 16, "packet")
     launch, kept = renderer._launch, []
 
     def only_blocks(kernel: str, *arguments: Any, **options: Any) -> None:

@@ -40,6 +40,8 @@ class ArrayProgram:
             raise ValueError(f"{lanes} lanes; expected one of: {', '.join(map(str, LANE_WIDTHS))}")
         width = lanes or self.device.info.lane_width(precision)
         self.built, self.lanes = build_widest(self.device, source, precision, width)
+        # How long the device was at work on the last run.
+        self.seconds = 0.0
 
     @property
     def dtype(self) -> type[np.floating]:
@@ -81,8 +83,9 @@ class ArrayProgram:
         kernel = cl.Kernel(self.built, name)
         tables = [] if numbers is None else [self._constant(numbers)]
         kernel.set_args(source, target, np.int32(stride), *tables, *(np.int32(c) for c in constants))
-        cl.enqueue_nd_range_kernel(self.device.queue, kernel, (stride // self.lanes,), (LOCAL_SIZE,))
+        event = cl.enqueue_nd_range_kernel(self.device.queue, kernel, (stride // self.lanes,), (LOCAL_SIZE,))
         cl.enqueue_copy(self.device.queue, result, target)
+        self.seconds = (event.profile.end - event.profile.start) * 1e-9
         return result[:, :count].T.astype(np.float64)
 
     def _constant(self, numbers: ArrayLike) -> "cl.Buffer":

@@ -13,6 +13,7 @@ Lengths are in units of the geometry's curvature. Arrays are float64, first axis
 inside.
 """
 
+import functools
 import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, overload
@@ -22,7 +23,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from thurston_cl import device as devices
 from thurston_cl.arrays import Array, ArrayProgram, finite
-from thurston_cl.models import GEOMETRIES, HOMOGENEOUS, MODEL, ORIGIN, off_model
+from thurston_cl.flows import Flow
+from thurston_cl.models import HOMOGENEOUS, MODEL, ORIGIN, off_model
 from thurston_cl.program import Source, geometry_parts
 
 if TYPE_CHECKING:
@@ -41,9 +43,10 @@ class Geometry:
     """One of Thurston's geometries on one OpenCL device.
 
     name: one of `thurston_cl.models.GEOMETRIES`. precision: "single" or "double", the arithmetic inside.
-    device: what `--device` accepts, None for the default choice. flow: "exact". lanes: width of the kernels,
-    None for the device's default. Raises ValueError for unknown names and wrong arrays, NoDeviceError where
-    nothing can build a kernel.
+    device: what `--device` accepts, None for the default choice. flow, step, equation: how `flow` follows
+    geodesics, see `thurston_cl.flows.Flow`; all else is exact. lanes: width of the kernels, None for the
+    device's default. Raises ValueError for unknown names and wrong arrays, NoDeviceError where nothing can
+    build a kernel.
     """
 
     def __init__(
@@ -53,17 +56,28 @@ class Geometry:
         device: "str | Device | None" = None,
         flow: str = "exact",
         lanes: int | None = None,
+        *,
+        step: float | None = None,
+        equation: str = "left-invariant",
     ) -> None:
-        if name not in GEOMETRIES:
-            raise ValueError(f"unknown geometry {name!r}; expected one of: {', '.join(GEOMETRIES)}")
-        if flow != "exact":
-            raise ValueError(f"unknown flow {flow!r}; expected 'exact'")
+        self.followed = Flow(name, flow, step, equation)
         self.name = name
         self.precision = precision
-        source = Source((*geometry_parts(name), "arrays.h", "numerics.cl"))
-        self._program = ArrayProgram(source, precision, device, lanes)
-        self.device = self._program.device
-        self.lanes = self._program.lanes
+        parts = (*geometry_parts(name), *self.followed.parts, "arrays.h", "flow.cl")
+        self._flow = ArrayProgram(Source(parts, {}, self.followed.generated), precision, device, lanes)
+        self.device = self._flow.device
+        self.lanes = self._flow.lanes
+
+    @functools.cached_property
+    def _program(self) -> ArrayProgram:
+        """Everything beside the flow, built when it is first asked for."""
+        source = Source((*geometry_parts(self.name), "arrays.h", "numerics.cl"))
+        return ArrayProgram(source, self.precision, self.device, self.lanes)
+
+    @property
+    def flow_seconds(self) -> float:
+        """How long the device was at work on the last `flow`, without the way there and back."""
+        return self._flow.seconds
 
     def flow(
         self, direction: ArrayLike, time: ArrayLike, base: ArrayLike | None = None
@@ -72,14 +86,17 @@ class Geometry:
         `time` (N,).
 
         Returns the points (N,4) and the directions of travel there (N,3). Paper 7.1-7.3, 9.1, 10.3, 11.2,
-        without cases; math of the frame: `isotropic.h`, `product.h`, `nil.h`, `sl2.h`, `sol.h`.
+        without cases; math of the frame: `isotropic.h`, `product.h`, `nil.h`, `sl2.h`, `sol.h`. By an
+        integrator (appendix A) where the geometry was made with one: its equal steps begin at the origin and
+        are translated to `base`, and what takes more than a million of them is NaN.
         """
         u, t, b = self._rays(direction, time, base)
-        out = self._run("flow", [b, u, *self._program.with_tail(t)], 7)
+        out = self._flow.run("numerics_flow", [b, u, *self._flow.with_tail(t)], 7)
         beyond = int((~np.isfinite(out).all(axis=1)).sum())
         if beyond:
             warnings.warn(
-                f"flow: {beyond} of {len(out)} points are too far away for {self.precision} precision",
+                f"flow: {beyond} of {len(out)} points are too far away for {self.precision} precision"
+                + (f" and {self.followed.words}" if self.followed.step is not None else ""),
                 RuntimeWarning,
                 stacklevel=2,
             )

@@ -1,5 +1,6 @@
 """Render a scene: tile by tile, sample by sample, on one OpenCL device."""
 
+import dataclasses
 import datetime
 import json
 import platform
@@ -17,6 +18,7 @@ from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.errors import ThurstonError
 from thurston_cl.image import Image
+from thurston_cl.method import PRECISIONS, Method
 from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, build_widest
 from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
@@ -80,13 +82,15 @@ def render(
     samples: int | None = None,
     crop: tuple[int, int, int, int] | None = None,
     channels: Collection[str] = ("beauty", "depth", "normal", "steps", "object"),
+    method: Method | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Image:
     """Render a scene to an image with the given channels; the arguments replace what the scene says.
 
     size: of the whole picture, both eyes included. crop: (left, top, right, bottom) in pixels of that; the
-    image holds that part. finish: "packet", "refill" or "auto". progress: called with (done, total) after
-    every tile and sample; what it raises ends the rendering. Channels: beauty (H,W,3) linear Rec.709; depth
+    image holds that part. method: precision, flow, threshold and steps in place of the scene's; `precision`
+    alone changes that. finish: "packet", "refill" or "auto". progress: called with (done, total) after every
+    tile and sample; what it raises ends the rendering. Channels: beauty (H,W,3) linear Rec.709; depth
     (H,W), arc length, inf where nothing is hit; normal (H,W,3) in the frame at the hit point; steps (H,W);
     object (H,W), 0 for nothing, else the number of the object from 1; cell (H,W), 0 for nothing, else the
     number of the cell from 1, the camera's own, nearest first.
@@ -100,9 +104,11 @@ def render(
     started = time.perf_counter()
     settings = scene.render
     chosen = devices.choose(device) if device is None or isinstance(device, str) else device
-    precision = precision or ("single" if settings.precision == "auto" else settings.precision)
+    if precision is not None:
+        _check_name("precision", precision, PRECISIONS)
+    method = Method.of(scene) if method is None else method
+    method = dataclasses.replace(method, precision=precision or method.precision)
     finish, samples = finish or settings.finish, settings.samples if samples is None else samples
-    _check_name("precision", precision, ("single", "double"))
     _check_name("finish", finish, ("auto", "packet", "refill"))
     for channel in channels:
         _check_name("channel", channel, CHANNELS)
@@ -110,7 +116,7 @@ def render(
         raise ValueError(f"{lanes} lanes; expected one of: {', '.join(map(str, LANE_WIDTHS))}")
     if samples < 1 or samples != int(samples):
         raise ValueError(f"{samples} samples; expected a whole number from 1")
-    if precision == "double" and not chosen.info.fp64:
+    if method.precision == "double" and not chosen.info.fp64:
         raise ValueError(
             f"{chosen.info.name} has no double precision; choose single precision or another device"
         )
@@ -121,8 +127,8 @@ def render(
     if problem := size_problem(scene.camera.projection.kind, layout, whole):
         raise ValueError("; ".join(problem))
     area = _checked_crop(crop, whole)
-    plan = make_plan(scene, device=chosen, size=whole, channels=channels)
-    renderer = TileRenderer(plan, chosen, precision, lanes or chosen.info.lane_width(precision), finish)
+    plan = make_plan(scene, device=chosen, size=whole, channels=channels, method=method)
+    renderer = TileRenderer(plan, chosen, lanes or chosen.info.lane_width(method.precision), finish)
     shifts = sample_shifts(samples, settings.filter, settings.seed)
     seen = [view for view in views(layout, whole, area) if "beauty" in channels or view.all_channels]
     image_channels, statistics = _render_tiles(renderer, seen, area, shifts, channels, progress)
@@ -137,7 +143,7 @@ def render(
     statistics |= {
         "seconds": time.perf_counter() - started,
         "device": chosen.info.name,
-        "precision": precision,
+        "precision": method.precision,
         "lanes": renderer.lanes,
         "finish": renderer.finish,
         "size": list(whole),
@@ -165,7 +171,8 @@ def _metadata(
 ) -> dict[str, str]:
     """Everything that it takes to make the picture again."""
     packages = ("thurston_cl", "pyopencl", "numpy", "OpenImageIO")
-    settings = {key: statistics[key] for key in ("precision", "lanes", "finish", "size", "samples")}
+    settings = {key: statistics[key] for key in ("lanes", "finish", "size", "samples")}
+    settings |= dataclasses.asdict(plan.method)
     info = device.info
     return {
         "scene": plan.scene.effective_text(),
@@ -215,11 +222,12 @@ def tiles(area: tuple[int, int, int, int], side: int) -> Iterator[Tile]:
 class TileRenderer:
     """The program of one plan, its buffers, and how to run it over one tile."""
 
-    def __init__(self, plan: Plan, device: Device, precision: str, lanes: int, finish: str) -> None:
+    def __init__(self, plan: Plan, device: Device, lanes: int, finish: str) -> None:
         import pyopencl as cl
 
         self.plan = plan
         self.device = device
+        precision = plan.method.precision
         self.dtype = np.dtype(np.float64 if precision == "double" else np.float32)
         self.program, self.lanes = build_widest(device, plan.source, precision, lanes)
         # One lane never waits for another: refilling it gains nothing.
@@ -375,7 +383,7 @@ class TileRenderer:
     def _launch(self, name: str, items: int, group: int, *arguments: Any, last: tuple[Any, ...] = ()) -> None:
         import pyopencl as cl
 
-        steps = np.int32(self.plan.scene.render.steps)
+        steps = np.int32(self.plan.method.steps)
         kernel = self._kernels[name]
         tables = (self._eyes[self._eye], self._next_cell, self._seen_from, self._texels)
         kernel.set_args(*arguments, steps, *tables, *last)

@@ -1,21 +1,8 @@
-// rk4.h - one step of Runge and Kutta's rule of order four along a geodesic, what closed forms are measured against: in geometries with
-// a left-invariant metric that have `acceleration` (paper 3.2.1, appendix A).
-FN void rk4_step(point *p, direction *u, real h)
+// rk4.h - one step of the classical rule of Runge and Kutta, of order 4.
+FN motion step_of(motion y, real h)
 {
-  const scalar way[4] = {0, C(0.5), C(0.5), 1}, weight[4] = {C(0.16666666666666667), C(0.33333333333333333), C(0.33333333333333333),
-                                                            C(0.16666666666666667)};
-  point at = *p, moved = *p;
-  direction along = *u, turned = *u;
-  for (int k = 0; k < 4; k++) {
-    vector speed = velocity(at, along);
-    direction bend = acceleration(along);
-    moved = add_scaled_4(moved, speed, REAL(weight[k]) * h);
-    turned = add_scaled_3(turned, bend, REAL(weight[k]) * h);
-    if (k < 3) {
-      at = add_scaled_4(*p, speed, REAL(way[k + 1]) * h);
-      along = add_scaled_3(*u, bend, REAL(way[k + 1]) * h);
-    }
-  }
-  *p = moved;
-  *u = scale_3(turned, rsqrt(dot_3(turned, turned)));
+  real half_h = REAL(C(0.5)) * h;
+  motion a = rate_of(y), b = rate_of(add_motion(y, a, half_h)), c = rate_of(add_motion(y, b, half_h)), d = rate_of(add_motion(y, c, h));
+  motion middle = add_motion(b, c, REAL(1)), ends = add_motion(a, d, REAL(1));
+  return add_motion(y, add_motion(ends, middle, REAL(2)), h * REAL(C(0.16666666666666667)));
 }

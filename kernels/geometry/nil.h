@@ -47,6 +47,13 @@ FN vector velocity(point p, direction u)
   return v;
 }
 
+// The rate of change of a direction along its geodesic.
+FN direction acceleration(direction u)
+{
+  direction r = {-u.z * u.y, u.z * u.x, REAL(0)};
+  return r;
+}
+
 FN covector gradient_of(point p, covector g)
 {
   real bent = REAL(C(0.5)) * g.z;

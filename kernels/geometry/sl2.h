@@ -77,6 +77,13 @@ FN vector velocity(point p, direction u)
   return v;
 }
 
+// The rate of change of a direction along its geodesic.
+FN direction acceleration(direction u)
+{
+  direction r = {REAL(2) * u.y * u.z, REAL(-2) * u.x * u.z, REAL(0)};
+  return r;
+}
+
 FN covector gradient_of(point p, covector g)
 {
   real c, s = sin_cos(p.w, &c), inverse = REAL(1) / (REAL(1) + p.z);

@@ -76,7 +76,7 @@ FN ray arrived(ray r, progress at)
   real nearest = nearest_of(&at), t = SELECT(nearest < at.end, nearest, at.end);
   r.p = at.p;
   r.v = at.v;
-  flow(&r.p, &r.v, t);
+  ray_flow(&r.p, &r.v, t);
   reproject(&r.p, &r.v);
   r.t = at.from + t;
   return r;
@@ -101,7 +101,7 @@ FN ray march_step(ray r, progress *at, real limit, int max_steps, scene_data sce
   at->asked = r.active & (at->t[k] < before);
   real t = SELECT(at->asked, at->t[k], REAL(0));
   ray there = new_ray(at->p, at->v);
-  flow(&there.p, &there.v, t);
+  ray_flow(&there.p, &there.v, t);
   reproject(&there.p, &there.v);
   real distance = scene_component(k, there.p, there.v, scene);
   r.clear = distance;

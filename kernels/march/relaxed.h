@@ -33,7 +33,7 @@ FN ray measured(ray before, ray after, progress at) { return before; }
 FN ray arrived(ray r, progress at)
 {
   ray free = r;
-  flow(&free.p, &free.v, at.radius - at.step);
+  ray_flow(&free.p, &free.v, at.radius - at.step);
   mask back = r.spent & (at.step > at.radius);
   r.p = select_4(back, free.p, r.p);
   r.v = select_4(back, free.v, r.v);

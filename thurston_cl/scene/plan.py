@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from thurston_cl import device as devices
 from thurston_cl.device import Device
+from thurston_cl.flows import Flow
 from thurston_cl.geometry import for_few_points
 from thurston_cl.krs.program import krs_order
 from thurston_cl.krs.words import Level, in_short, levels_of, numbered
 from thurston_cl.lattice import cell_table
 from thurston_cl.lattice.prism import Prism
+from thurston_cl.method import Method
 from thurston_cl.program import Source, geometry_parts
 from thurston_cl.scene import effect_files, schema
 from thurston_cl.scene.cost import Cost, predict
@@ -69,6 +71,7 @@ class Plan:
     object_images: int
     light_images: int
     sequences: tuple[Named, ...]
+    method: Method
     asked: Mapping[str, float]
     image_digests: Mapping[str, str]
 
@@ -154,7 +157,8 @@ class Plan:
             "numbers": str(len(self.numbers)),
             "picture": f"{settings.size[0]} x {settings.size[1]}, {settings.samples} samples a pixel, "
             f"{settings.filter} filter, seed {settings.seed}",
-            "steps": f"at most {settings.steps} a ray",
+            "steps": f"at most {self.method.steps} a ray",
+            "flow": self.method.flow_in(self.scene.geometry).words,
             "tracer": _tracer_words(self.scene),
         }
 
@@ -165,20 +169,22 @@ def make_plan(
     device: Device | None = None,
     size: tuple[int, int] | None = None,
     channels: Collection[str] = (),
+    method: Method | None = None,
     switch: bool | None = None,
 ) -> Plan:
     """Decide what a scene needs and write its program.
 
-    Places things with the kernels of `device`, in double where it has that, whatever the precision of the
-    picture. `size` replaces the scene's, `channels` are wanted beside those of the scene's outputs.
-    `switch`: see `Writer`; for measurements only. Raises SceneError for what can only be seen here, such as a
-    camera that no group element leads into the cell.
+    Places things with the kernels of `device`, in double where it has that, whatever the precision of
+    the picture. `size` and `method` replace the scene's, `channels` are wanted beside those of the
+    scene's outputs. `switch`: see `Writer`; for measurements only. Raises SceneError for what can only
+    be seen here, such as a camera that no group element leads into the cell.
     """
     device = device or devices.choose()
     wanted = {channel for output in scene.outputs for channel in output.channels} | set(channels)
     geometry = for_few_points(scene.geometry, device)
     size = size or scene.render.size
-    numbers = Numbers([scene.render.threshold, _far(scene), pixel_angle(scene.camera, size)])
+    method = method or Method.of(scene)
+    numbers = Numbers([method.threshold, _far(scene), pixel_angle(scene.camera, size)])
     detail = None if scene.render.detail is None else numbers.add([scene.render.detail])
     place = Placement(geometry)
     cells, next_cell = _cells(scene, wanted)
@@ -200,8 +206,14 @@ def make_plan(
     write_seen(writer)
     if writer.cell_ids:
         writer.parts.add("cells.h")
-    generated = {"scene objects": objects, "scene light": light, "scene seen": writer.text()}
-    source = Source(_order(scene.geometry, writer.parts), _defines(writer, detail), generated)
+    flow = method.flow_in(scene.geometry)
+    generated = {
+        **flow.generated,
+        "scene objects": objects,
+        "scene light": light,
+        "scene seen": writer.text(),
+    }
+    source = Source(_order(scene.geometry, flow, writer.parts), _defines(writer, detail), generated)
     return Plan(
         scene,
         source,
@@ -214,6 +226,7 @@ def make_plan(
         object_images,
         light_images,
         tuple(writer.sequences),
+        method,
         writer.asked,
         writer.texels.digests,
     )
@@ -298,7 +311,7 @@ def _defines(writer: Writer, detail: int | None) -> dict[str, str | int]:
     return defines
 
 
-def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
+def _order(geometry: str, flow: Flow, parts: Collection[str]) -> tuple[str, ...]:
     """All parts of a program in the order in which they need each other."""
 
     def under(*folders: str) -> list[str]:
@@ -307,6 +320,7 @@ def _order(geometry: str, parts: Collection[str]) -> tuple[str, ...]:
     before, after = effect_files.light_parts(parts)
     return (
         *geometry_parts(geometry),
+        *flow.parts,
         "scene_types.h",
         *under("shape"),
         *krs_order(parts),

@@ -8,7 +8,7 @@ from pydantic import Field
 from .base import Node, Problem, raised
 from .context import Context
 from .picture import default_size, size_problem
-from .values import AtLeast, Exposure, OutputFile, PixelSize, Positive, Samples, Seed, Steps
+from .values import AtLeast, Exposure, FlowStep, OutputFile, PixelSize, Positive, Samples, Seed, Steps
 
 
 class RenderSettings(Node):
@@ -41,6 +41,17 @@ class RenderSettings(Node):
     )
     precision: Literal["auto", "single", "double"] = Field(
         default="auto", description="Arithmetic of the kernels. `auto` is single."
+    )
+    flow: Literal["exact", "euler", "rk2", "rk4", "rk8"] = Field(
+        default="exact",
+        description="How rays follow geodesics: `exact` by the closed form of the geometry, the others by "
+        "integrating the geodesic equation (paper, appendix A): Euler's rule, the midpoint rule, that of "
+        "Runge and Kutta, and Cooper and Verner's of order 8. To see what they cost; `exact` is better.",
+    )
+    flow_step: FlowStep | None = Field(
+        default=None,
+        alias="flow-step",
+        description="The longest step of an integrator, in units of length. Left out: 0.1.",
     )
     steps: Steps = Field(
         default=300, description="The most steps a ray may take; then it shows what it has come nearest to."
@@ -91,6 +102,9 @@ class RenderSettings(Node):
             yield Problem(("size",), *problem)
         if self.distance != "auto" and context.geometry is not None and not context.manifold:
             yield Problem(("distance",), f"distance: {self.distance} needs a manifold", "leave it out", True)
+        if self.flow == "exact" and self.flow_step is not None:
+            message = "flow-step is that of an integrator, and the flow is exact"
+            yield Problem(("flow-step",), message, "leave it out, or write a flow such as 'flow: rk4'", True)
         if self.far is not None and self.far <= self.threshold:
             yield Problem(("far",), f"far must be greater than threshold, which is {self.threshold:g}")
 

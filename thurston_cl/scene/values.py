@@ -95,6 +95,9 @@ Samples = Annotated[int, Ge(1), Le(4096), BeforeValidator(whole_number), Says("w
 Seed = Annotated[
     int, Ge(0), Le(1_000_000), BeforeValidator(whole_number), Says("whole number from 0 to 1000000")
 ]
+# Shorter steps would be more than a million on the way of a ray, which no flow makes; longer ones than the
+# geometry's radius follow nothing.
+FlowStep = Annotated[float, Ge(1e-4), Le(1), BeforeValidator(number), Says("number from 0.0001 to 1")]
 Steps = Annotated[
     int, Ge(1), Le(100_000), BeforeValidator(whole_number), Says("whole number from 1 to 100000")
 ]
