@@ -36,8 +36,8 @@ MOST_SECONDS = 4.0
 
 @dataclass(frozen=True)
 class Row:
-    """One method: `knob` is what of it differs from the scene's own, "own" for that; seconds on the device for
-    one sample of each pixel, and how much of the scene's own those are. The rest is of
+    """One method: `knob` is what of it differs from the scene's own, "own" for that; seconds on the device
+    for one sample of each pixel, and how much of the scene's own those are. The rest is of
     `thurston_cl.accuracy.pictures.Errors`: fractions of the pixels, and percentiles of errors, None where
     nothing is hit; angles in radians and pixels.
     """
@@ -84,9 +84,7 @@ def candidates(scene: schema.Scene) -> list[tuple[str, Method]]:
     exact = dataclasses.replace(own, flow="exact", step=None)
     for precision in PRECISIONS:
         for threshold in THRESHOLDS:
-            found.append(
-                ("threshold", dataclasses.replace(exact, precision=precision, threshold=threshold))
-            )
+            found.append(("threshold", dataclasses.replace(exact, precision=precision, threshold=threshold)))
     found += [("steps", dataclasses.replace(own, steps=steps)) for steps in STEP_LIMITS]
     unique: dict[Method, str] = {}
     for knob, method in found:
@@ -172,7 +170,9 @@ def front(rows: Sequence[Row]) -> list[Row]:
 
 
 def recommended(rows: Sequence[Row]) -> Row | None:
-    """The cheapest row that is good, or the scene's own where that is good and as cheap; None where none is."""
+    """The cheapest row that is good, or the scene's own where that is good and as cheap; None where none
+    is good.
+    """
     good = [row for row in front(rows) if row.over_half_pixel <= GOOD]
     own = next((row for row in rows if row.knob == "own"), None)
     if not good:

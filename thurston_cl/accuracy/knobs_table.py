@@ -39,15 +39,15 @@ def header(scene: str, size: tuple[int, int], device: str) -> list[str]:
     """What the numbers mean, in lines."""
     return [
         f"{scene}, {size[0]}x{size[1]} pixels on {device}",
-        "truth        double exact, marched to a threshold of 1e-9; one ray through the middle of each pixel",
-        "time         of the device for the picture with one sample a pixel; x: relative to the scene's own method",
+        "truth        double exact, to a threshold of 1e-9; one ray through the middle of each pixel",
+        "time         of the device for the picture with one sample a pixel; x: relative to the scene's own",
         "other id     pixels that show another object",
-        "over 1/2 px  pixels whose object, its depth, or the place on it is none that the truth shows within half a",
-        "             pixel; *: none is both cheaper and has fewer of them",
-        "angle        radians, from the pixel's direction to the exact geodesic that comes to the point found:",
-        "             the median, 95, 99, 99.9 % and the largest",
+        "over 1/2 px  pixels whose object, its depth, or the place on it is none that the truth shows within",
+        "             half a pixel; *: none is both cheaper and has fewer of them",
+        "angle        radians, from the pixel's direction to the exact geodesic that comes to the point",
+        "             found: the median, 95, 99, 99.9 % and the largest",
         "depth        error of the length of rays that show the right object, likewise",
-        "NaN, no steps: rays that came to nothing, and that ran out of steps",
+        "NaN          rays that came to nothing; no steps: that ran out of steps",
     ]
 
 

@@ -18,7 +18,8 @@ A viewer does not see where a ray ends but what the pixel shows. So a pixel is *
   the threshold, so that what grazes a surface is displaced, and what meets it head on is not.
 
 Where the truth is finer than a pixel, as far away in a cell of finite volume, any of what is within half a
-pixel is right. A ray that came to nothing (NaN) shows the background. Light, mirrors and fog are not compared.
+pixel is right. A ray that came to nothing (NaN) shows the background. Light, mirrors and fog are not
+compared.
 """
 
 import dataclasses
@@ -114,8 +115,8 @@ def quantiles(values: Array) -> dict[str, float] | None:
 def all_places(
     scene: schema.Scene, size: Size | None = None, shift: ArrayLike = (0.5, 0.5), area: Area | None = None
 ) -> Places:
-    """Every pixel of an area (left, top, right, bottom) of a picture, by default of all of it, for each eye that
-    adds to it, seen at the place `shift` in the pixel.
+    """Every pixel of an area (left, top, right, bottom) of a picture, by default of all of it, for each eye
+    that adds to it, seen at the place `shift` in the pixel.
     """
     size = size or scene.render.size
     found: list[Places] = []
@@ -149,7 +150,12 @@ def errors(
 
 
 def compare(
-    rays: Rays, exact: ExactRays, places: Places, ends: Ends, truth: Ends | None = None, near: float | None = None
+    rays: Rays,
+    exact: ExactRays,
+    places: Places,
+    ends: Ends,
+    truth: Ends | None = None,
+    near: float | None = None,
 ) -> Errors:
     """The errors of what rays of places came to. `truth`: what the exact rays of the same places come to,
     where that is known; `near`: the threshold that they were marched with, where it is not the method's.
@@ -175,7 +181,8 @@ def compare(
     strange = differ | (both & ~(np.abs(depth) <= tolerance))
     suspects = np.flatnonzero(strange & ~elsewhere)
     for offsets in (_circle(_ON_CIRCLE), _disc(_IN_DISC)):
-        seen = _is_seen(exact, places[suspects], ends[suspects], truth[suspects], tolerance[suspects], offsets)
+        k = suspects
+        seen = _is_seen(exact, places[k], ends[k], truth[k], tolerance[k], offsets)
         strange[suspects[seen]] = False
         suspects = suspects[~seen]
     over = elsewhere | strange
@@ -217,8 +224,8 @@ def _is_seen(
 def _angles(
     exact: ExactRays, places: Places, ends: Ends, half: Array, reach: Array
 ) -> tuple[Array, Array, Array]:
-    """The angle error (N,) and that of what is shown (N,), in radians, and the area (N,) of a solid angle of 1
-    there.
+    """The angle error (N,) and that of what is shown (N,), in radians, and the area (N,) of a solid angle of
+    1 there.
     """
     first = exact.offsets(places, np.zeros((len(places), 2)), ends.length, ends, reach)
     feet = dataclasses.replace(ends, point=first.foot)
@@ -231,8 +238,8 @@ def _refined(exact: ExactRays, places: Places, ends: Ends, turn: Array, ahead: A
     """The angles (N,) of turns (N,2) that lead to first order to the points of `ends`, `ahead` (N,) of their
     length.
 
-    By Newton's method where they are no small share of half a pixel. Where that does not come to the point, as
-    behind a fold of the wave front, where no direction leads to it, first order stands.
+    By Newton's method where they are no small share of half a pixel. Where that does not come to the point,
+    as behind a fold of the wave front, where no direction leads to it, first order stands.
     """
     angle = np.minimum(np.hypot(*turn.T), np.pi)
     going = np.flatnonzero(~(angle <= _REFINED_ABOVE * half))

@@ -32,8 +32,8 @@ Which = Flags | NDArray[np.intp]
 # double, and far below what any picture shows.
 TRUTH_THRESHOLD = 1e-9
 TRUTH_STEPS = 20000
-# Lanes on a CPU, at most: few rays are marched, so that a narrow program, which is built in half of the time, is
-# the faster one.
+# Lanes on a CPU, at most: few rays are marched, so that a narrow program, which is built in half of the time,
+# is the faster one.
 MOST_LANES = 8
 # Numbers of a plan that are replaced here: where kernels/scene_types.h has them.
 _HIT_THRESHOLD = 0
@@ -96,8 +96,8 @@ class Ends:
 class Offsets:
     """How far points are from exact geodesics, to first order: by which turn (N,2) of the direction at the
     eye and by which length (N,) they are missed; their `distance` (N,); the `area` (N,) that a solid angle of
-    1 has at this length; and by which turn (N,2) their `foot` (N,4) is missed, the point of the surface that is
-    nearest to them.
+    1 has at this length; and by which turn (N,2) their `foot` (N,4) is missed, the point of the surface that
+    is nearest to them.
     """
 
     turn: Array
@@ -140,8 +140,10 @@ class Rays:
         self._eyes = plan.eyes
         dtype = self._program.dtype
         flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
-        arrays = (np.ascontiguousarray(plan.next_cell), plan.seen_from.astype(dtype), plan.texels.astype(dtype))
-        self._tables = [cl.Buffer(device.context, flags, hostbuf=array) for array in arrays]
+        tables = (plan.next_cell, plan.seen_from.astype(dtype), plan.texels.astype(dtype))
+        self._tables = [
+            cl.Buffer(device.context, flags, hostbuf=np.ascontiguousarray(table)) for table in tables
+        ]
 
     def threshold_at(self, length: Array, threshold: float | None = None) -> Array:
         """How near counts as a hit (N,), after lengths (N,) of the way; threshold in place of the method's."""
@@ -198,8 +200,8 @@ class Rays:
 
 
 class ExactRays(Rays):
-    """The truth of a picture: rays along exact geodesics in double, marched step by step to a tight threshold,
-    with nothing left out for being small (`detail`), however the scene is marched.
+    """The truth of a picture: rays along exact geodesics in double, marched step by step to a tight
+    threshold, with nothing left out for being small (`detail`), however the scene is marched.
 
     Raises NoDeviceError where the device has no double precision.
     """
@@ -211,8 +213,8 @@ class ExactRays(Rays):
     ) -> None:
         if not device.info.fp64:
             raise NoDeviceError(
-                f"{device.info.name} ({device.info.id}) has no double precision, which the truth is worked out "
-                "in; choose a --device that 'thurston devices' lists with fp64"
+                f"{device.info.name} ({device.info.id}) has no double precision, which errors are measured "
+                "against; use a --device that 'thurston devices' lists with fp64"
             )
         method = Method("double", threshold=min(TRUTH_THRESHOLD, scene.render.threshold), steps=TRUTH_STEPS)
         plain = {"start": "pixel", "detail": None}

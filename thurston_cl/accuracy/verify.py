@@ -1,4 +1,4 @@
-"""Is what a picture shows right? Some of its pixels, traced again in double (`thurston render --verify N`)."""
+"""Is what a picture shows right? Some of its pixels, traced again in double (`thurston render --verify`)."""
 
 import time
 from dataclasses import dataclass
@@ -55,7 +55,9 @@ class Verification:
             _pixel(errors, int(k)) for errors in (self.drawn, self.suspected) for k in worst(errors, NAMED)
         ]
         unique = {(one["eye"], *one["pixel"], *one["place"]): one for one in found}
-        return sorted(unique.values(), key=lambda one: (not one["over_half_pixel"], -(one["shown_pixels"] or 0)))
+        return sorted(
+            unique.values(), key=lambda one: (not one["over_half_pixel"], -(one["shown_pixels"] or 0))
+        )
 
     @property
     def report(self) -> dict[str, Any]:

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from thurston_cl.lattice import Lattice
 
 DIGITS = 30
-# How far beside a geodesic, as a turn of its direction and as a length, its neighbors are: first order is then
-# exact to so much of itself, and differences have the other half of the digits.
+# How far beside a geodesic, as a turn of its direction and as a length, its neighbors are: first order is
+# then exact to so much of itself, and differences have the other half of the digits.
 ASIDE = mp.mpf(10) ** -12
 # Walls that a point is led back over, at most.
 MOST_WALLS = 10000
@@ -52,8 +52,9 @@ class Checked:
         if len(self.angle) == 0:
             return "by mpmath: none of the pixels hits anything"
         return (
-            f"{len(self.angle)} pixels by mpmath, {DIGITS} digits: angle error up to {self.pixels.max():.2g} pixels "
-            f"({self.angle.max():.2g} rad), median {np.median(self.pixels):.2g}; {self.seconds:.1f} s"
+            f"{len(self.angle)} pixels by mpmath, {DIGITS} digits: angle error up to "
+            f"{self.pixels.max():.2g} pixels ({self.angle.max():.2g} rad), median "
+            f"{np.median(self.pixels):.2g}; {self.seconds:.1f} s"
         )
 
     @property
@@ -63,7 +64,12 @@ class Checked:
             "digits": DIGITS,
             "seconds": self.seconds,
             "pixels": [
-                {"pixel": [int(x), int(y)], "eye": int(eye), "angle": float(angle), "angle_pixels": float(pixels)}
+                {
+                    "pixel": [int(x), int(y)],
+                    "eye": int(eye),
+                    "angle": float(angle),
+                    "angle_pixels": float(pixels),
+                }
                 for (x, y), eye, angle, pixels in zip(
                     self.places.pixel, self.places.eye, self.angle, self.pixels, strict=True
                 )
@@ -96,8 +102,8 @@ def check(rays: Rays, start: Rays, places: Places, count: int) -> Checked:
 def angle_error(
     geometry: str, lattice: Lattice | None, eye: Array, direction: Array, length: float, point: Array
 ) -> float:
-    """By which angle the direction (3,) at an eye (4,) has to turn, to first order, for its geodesic to come to
-    a `point` (4,) after about this length, or in a manifold to an image of it.
+    """By which angle the direction (3,) at an eye (4,) has to turn, to first order, for its geodesic to come
+    to a `point` (4,) after about this length, or in a manifold to an image of it.
     """
     with mp.workdps(DIGITS + math.ceil(length / math.log(10))):
         u = _unit([mp.mpf(float(component)) for component in direction])
