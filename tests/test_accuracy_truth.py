@@ -9,7 +9,7 @@ import pytest
 from golden import DATA, MP, on_model
 from mpmath import mp
 
-from thurston_cl.accuracy.truth import flow
+from thurston_cl.accuracy.truth import displacement, flow
 from thurston_cl.models import GEOMETRIES, ORIGIN
 
 # The files have 25 digits.
@@ -116,3 +116,29 @@ def test_vertical_and_unmoved() -> None:
 def test_unknown_geometry() -> None:
     with pytest.raises(ValueError, match="unknown geometry 'e4'; expected one of: e3"):
         flow("e4", [1, 0, 0], 1)
+
+
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+@pytest.mark.parametrize("time", [0.7, 3.1, 9.0])
+def test_displacement_is_the_way_from_one_point_to_another(geometry: str, time: float) -> None:
+    start = flow(geometry, [0.36, 0.48, 0.8], time)[0]
+    # A short way in another direction, and past the cut of the argument in sl2.
+    step = [mp.mpf("0.6e-9"), mp.mpf("-0.48e-9"), mp.mpf("0.64e-9")]
+    end, _ = flow(geometry, step, 1, start)
+    got = displacement(geometry, start, end)
+    assert float(mp.norm(got)) == pytest.approx(1e-9, rel=1e-7)
+    if geometry not in ("s3", "s2xe"):
+        assert [float(part) for part in got] == pytest.approx([float(part) for part in step], rel=1e-6)
+    # Off the model it is put back on it, and is the same.
+    if geometry in ("s3", "h3"):
+        scaled = (
+            [mp.fmul(3, part, exact=True) for part in end] if geometry == "s3" else [*end[:3], end[3] + 1]
+        )
+        assert apart(displacement(geometry, start, scaled), got) < 1e-15
+
+
+def test_displacement_knows_the_sheets_of_sl2() -> None:
+    start, _ = flow("sl2", [0.36, 0.48, 0.8], 9)
+    x, y, z, w = start
+    turned = displacement("sl2", start, [x, y, z, mp.fadd(w, 4 * mp.pi)])
+    assert float(turned[2]) == pytest.approx(4 * float(mp.pi))

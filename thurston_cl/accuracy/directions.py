@@ -46,6 +46,10 @@ class Directions:
     def __len__(self) -> int:
         return len(self.vectors)
 
+    def first(self, count: int) -> "Directions":
+        """The first `count` of them."""
+        return Directions(self.name, self.vectors[:count], self.regimes[:count], self.offsets[:count])
+
 
 class Regime(NamedTuple):
     """`near(offset, count, random)` are directions (count,3) at that distance, to either side."""

@@ -182,3 +182,53 @@ def _sol(p: list[Real], u: list[Real], time: Real) -> tuple[list[Real], list[Rea
     start = [*p[:3], mp.exp(p[2]), mp.exp(-p[2]), *u]
     x, y, z, _, _, a, b, c = _integrate(start, derivative, time, _no_turn)
     return [x, y, z, mp.one], [a, b, c]
+
+
+def displacement(geometry: str, start: Sequence[Any], end: Sequence[Any], digits: int = 30) -> list[Real]:
+    """The vector (3 mpf) from `start` (4) to a point `end` (4) next to it, to first order, in an orthonormal
+    frame there.
+
+    Its norm is their distance, up to a part of the order of that distance. Floats and mpf are exact; `end` is
+    put on the model first: on a hyperboloid by its height over the others, on a sphere along its ray. The
+    frame is that of `Geometry`, but where a sphere is away from the origin that of the point opposite.
+    """
+    with mp.workdps(digits + GUARD_DIGITS):
+        p, q = ([mp.mpf(coordinate) for coordinate in point] for point in (start, end))
+        match geometry:
+            case "nil":
+                x, y, z = (b - a for a, b in zip(p[:3], q[:3], strict=True))
+                return [x, y, z + (p[1] * q[0] - p[0] * q[1]) / 2]
+            case "sol":
+                stretch = mp.exp(p[2])
+                return [(q[0] - p[0]) / stretch, (q[1] - p[1]) * stretch, q[2] - p[2]]
+            case "sl2":
+                (z, e), (z_end, e_end) = _matrix(p), _matrix(q)
+                turned = mp.conj(z) * z_end - e * mp.conj(e_end)
+                over = 2 * turned * (mp.conj(z) * e_end - e * mp.conj(z_end))
+                # In the cover: the angle that the product gains is that of 1 + (E/Z) conj(E'/Z'), E' of -p.
+                gain = mp.arg(1 - e / mp.conj(z) * mp.conj(e_end) / z_end)
+                return [over.real, over.imag, q[3] - p[3] + 2 * gain]
+            case "s2xe" | "h2xe":
+                return [*_across(p[:3], q[:3], CURVATURE[geometry]), q[3] - p[3]]
+            case _:
+                return _across(p, q, CURVATURE[geometry])
+
+
+def _matrix(p: list[Real]) -> tuple[Real, Real]:
+    """(Z, E) of a point of sl2."""
+    height = mp.sqrt(1 + p[0] ** 2 + p[1] ** 2)
+    e = mp.mpc(p[0], p[1]) / mp.sqrt(2 * (height + 1))
+    return mp.sqrt((height + 1) / 2) * mp.expj(p[3] / 2), e * mp.expj(-p[3] / 2)
+
+
+def _across(p: list[Real], q: list[Real], k: int) -> list[Real]:
+    """The spatial part of q, put on the model, carried back by the transvection from the origin to p."""
+    if not k:
+        return [b - a for a, b in zip(p[:-1], q[:-1], strict=True)]
+    if k > 0:
+        side, size = (mp.mpf(1) if p[-1] >= 0 else mp.mpf(-1)), mp.sqrt(mp.fdot(q, q))
+        p, q = [side * a for a in p], [side * a / size for a in q]
+    else:
+        p, q = ([*a[:-1], mp.sqrt(1 + mp.fdot(a[:-1], a[:-1]))] for a in (p, q))
+    x, w = p[:-1], p[-1]
+    return [b + a * (-k * mp.fdot(x, q[:-1]) / (1 + w) - q[-1]) for a, b in zip(x, q[:-1], strict=True)]
