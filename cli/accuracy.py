@@ -231,8 +231,8 @@ def _draw(rows: list[Row], file: str) -> None:
 
 
 class _Progress(contextlib.AbstractContextManager["_Progress"]):
-    """Called with (done, total, next), shows on stderr how far the work is: a bar with the remaining time on a
-    terminal, else a line for each geometry.
+    """Called with (done, total, next), shows on stderr how far the work is: on a terminal a bar with the
+    remaining time, else a line for each geometry.
     """
 
     def __init__(self, shown: bool) -> None:
