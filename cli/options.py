@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 SCENE = "Scene"
 OUTPUT = "Output"
 RENDERING = "Rendering"
+MEASURING = "Measuring"
 DEVICE = "Device"
 OTHER = "Other"
 
@@ -37,7 +38,7 @@ class GroupedCommand(click.Command):
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         groups: dict[str, list[tuple[str, str]]] = {
-            group: [] for group in (SCENE, OUTPUT, RENDERING, DEVICE, OTHER)
+            group: [] for group in (SCENE, MEASURING, OUTPUT, RENDERING, DEVICE, OTHER)
         }
         for option in self.get_params(ctx):
             record = option.get_help_record(ctx)
