@@ -145,6 +145,11 @@ class Rays:
             cl.Buffer(device.context, flags, hostbuf=np.ascontiguousarray(table)) for table in tables
         ]
 
+    @property
+    def seconds(self) -> float:
+        """How long the device was at work on the last rays, of the last eye that had some."""
+        return self._program.seconds
+
     def threshold_at(self, length: Array, threshold: float | None = None) -> Array:
         """How near counts as a hit (N,), after lengths (N,) of the way; threshold in place of the method's."""
         near = self.method.threshold if threshold is None else threshold

@@ -224,7 +224,9 @@ def make_plan(
         "scene seen": writer.text(),
     }
     source = Source(
-        _order(scene.geometry, flow, writer.parts), method.defines | _defines(writer, detail, error), generated
+        _order(scene.geometry, flow, writer.parts),
+        method.defines | _defines(writer, detail, error),
+        generated,
     )
     return Plan(
         scene,

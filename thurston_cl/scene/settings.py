@@ -8,7 +8,18 @@ from pydantic import Field
 from .base import Node, Problem, raised
 from .context import Context
 from .picture import default_size, size_problem
-from .values import Accuracy, AtLeast, Exposure, FlowStep, OutputFile, PixelSize, Positive, Samples, Seed, Steps
+from .values import (
+    Accuracy,
+    AtLeast,
+    Exposure,
+    FlowStep,
+    OutputFile,
+    PixelSize,
+    Positive,
+    Samples,
+    Seed,
+    Steps,
+)
 
 
 # What an accuracy chooses.
