@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.errors import ThurstonError
-from thurston_cl.image import CHANNELS, EVERY_CHANNEL, Image
+from thurston_cl.image import EVERY_CHANNEL, Image
 from thurston_cl.method import PRECISIONS, Method
 from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, build_widest
 from thurston_cl.sampling import sample_shifts
@@ -25,7 +25,6 @@ from thurston_cl.scene import schema
 from thurston_cl.scene.picture import View, size_problem, views
 from thurston_cl.scene.plan import Plan, make_plan
 from thurston_cl.scene.texels import images_of
-
 
 # Pixels on a side of a tile: small enough on a CPU to show progress and stop at once, large enough on a GPU
 # to fill it.

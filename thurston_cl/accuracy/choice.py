@@ -22,6 +22,8 @@ _EXACT_DOUBLE = {"precision": "double", "flow": "exact", "step": None}
 # A row has to be so much better than what is asked for: errors of several settings add up, and no scene is
 # one of the probes.
 MARGIN = 2.0
+# A row is taken instead of a plainer one only for so much less time: ratios are no surer than that.
+WORTH = 0.95
 
 
 @dataclass(frozen=True)
@@ -155,12 +157,18 @@ def _of_precision(geometry: str, named: str, target: float, precision: str) -> C
         if not fitting:
             continue
         good = [row for row in fitting if row.reaches is not None and MARGIN * row.reaches <= target]
-        row = min(good, key=lambda row: row.cost) if good else min(fitting, key=_by_accuracy)
+        row = _cheapest(good) if good else min(fitting, key=_by_accuracy)
         settings |= row.settings
         cost *= row.cost
         estimated = max(estimated, math.inf if row.reaches is None else row.reaches)
     method = Method(**settings)
     return Choice(named, target, estimated, estimated <= target, cost, method)
+
+
+def _cheapest(rows: Sequence[Row]) -> Row:
+    """The first, which is the plainest, unless another is worth it."""
+    best = min(rows, key=lambda row: row.cost)
+    return best if best.cost <= WORTH * rows[0].cost else rows[0]
 
 
 def _by_accuracy(row: Row) -> tuple[float, float]:

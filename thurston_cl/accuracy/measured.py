@@ -13,8 +13,8 @@ KNOBS = {
     "flows": ("precision", "flow", "step"),
     "thresholds": ("precision", "threshold"),
     "steps": ("steps",),
-    "newton": ("newton",),
-    "agm": ("agm",),
+    "newton": ("precision", "newton"),
+    "agm": ("precision", "agm"),
 }
 
 

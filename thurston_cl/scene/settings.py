@@ -1,7 +1,7 @@
 """How a picture is worked out, and the files it goes to."""
 
-from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -20,7 +20,6 @@ from .values import (
     Seed,
     Steps,
 )
-
 
 # What an accuracy chooses.
 CHOSEN = ("precision", "flow", "flow-step", "threshold", "steps")
