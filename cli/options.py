@@ -114,6 +114,32 @@ def scene_changes(function: Command) -> Command:
     return function
 
 
+def _parse_accuracy(ctx: click.Context, param: click.Parameter, text: str | None) -> str | float | None:
+    if text is None:
+        return None
+    from pydantic_core import PydanticCustomError
+
+    from thurston_cl.scene.values import accuracy
+
+    try:
+        return accuracy(text)
+    except PydanticCustomError as error:
+        raise click.BadParameter(error.message()) from error
+
+
+def accuracy_option(function: Command) -> Command:
+    """How exact a picture is to be: the argument `accuracy`, a word or an angle in radians, None where not given."""
+    return click.option(
+        "--accuracy",
+        metavar="WORD|ANGLE",
+        callback=_parse_accuracy,
+        cls=Option,
+        group=RENDERING,
+        help="Take the cheapest method that shows 99.9 % of the pixels that exactly: half-pixel, quarter-pixel, "
+        "draft, reference, or an angle such as '1e-5 rad'. [default: of the scene]",
+    )(function)
+
+
 def check_precision(device: Device, precision: str) -> str:
     """The arithmetic to use, "single" or "double"; NoDeviceError if the device lacks it."""
     if precision == "double" and not device.info.fp64:

@@ -62,9 +62,10 @@ class ArrayProgram:
         outputs: int,
         *constants: int,
         numbers: ArrayLike | None = None,
+        tables: Sequence["cl.Buffer"] = (),
     ) -> Array:
         """Run a kernel over the concatenated components of `arrays`; returns (N, outputs). `numbers`: the
-        constant buffer of kernels that take one.
+        constant buffer of kernels that take one; `tables`: what they take after it.
         """
         import pyopencl as cl
 
@@ -81,8 +82,8 @@ class ArrayProgram:
         result = np.empty((outputs, stride), self.dtype)
         target = cl.Buffer(self.device.context, flags.WRITE_ONLY, result.nbytes)
         kernel = cl.Kernel(self.built, name)
-        tables = [] if numbers is None else [self._constant(numbers)]
-        kernel.set_args(source, target, np.int32(stride), *tables, *(np.int32(c) for c in constants))
+        buffers = [*([] if numbers is None else [self._constant(numbers)]), *tables]
+        kernel.set_args(source, target, np.int32(stride), *buffers, *(np.int32(c) for c in constants))
         event = cl.enqueue_nd_range_kernel(self.device.queue, kernel, (stride // self.lanes,), (LOCAL_SIZE,))
         cl.enqueue_copy(self.device.queue, result, target)
         self.seconds = (event.profile.end - event.profile.start) * 1e-9

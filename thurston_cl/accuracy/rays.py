@@ -1,0 +1,262 @@
+"""Single rays of a picture: what they come to by a method, and what exact geodesics in double come to.
+
+`Rays` marches the rays of places in a picture, `ExactRays` does so for the truth, and tells how far a
+method's point is from the exact geodesic (kernels/verify).
+"""
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from thurston_cl.arrays import ArrayProgram
+from thurston_cl.device import Device
+from thurston_cl.errors import NoDeviceError
+from thurston_cl.method import Method
+from thurston_cl.program import Source
+from thurston_cl.scene import schema
+from thurston_cl.scene.picture import Size
+from thurston_cl.scene.plan import make_plan
+from thurston_cl.scene.tracer import tracer_of
+from thurston_cl.scene.write_camera import pixel_angle
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+# Some of many: flags, or their numbers.
+Which = Flags | NDArray[np.intp]
+
+# Of the truth: how near is a hit, and how many steps a ray may take. The threshold is far above rounding in
+# double, and far below what any picture shows.
+TRUTH_THRESHOLD = 1e-9
+TRUTH_STEPS = 20000
+# Lanes on a CPU, at most: few rays are marched, so that a narrow program, which is built in half of the time,
+# is the faster one.
+MOST_LANES = 8
+# Numbers of a plan that are replaced here: where kernels/scene_types.h has them.
+_HIT_THRESHOLD = 0
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places in a picture: which eye sees them (N,), 0 for the left or only one; column and row (N,2) of the
+    pixel in the picture of that eye; and where in the pixel (N,2), from its top left corner.
+    """
+
+    eye: NDArray[np.intp]
+    pixel: Array
+    shift: Array
+
+    def __len__(self) -> int:
+        return len(self.eye)
+
+    def __getitem__(self, which: Which) -> "Places":
+        return Places(*_of_each(self, which))
+
+    @property
+    def xy(self) -> Array:
+        """The places (N,2) in pixels from the top left corner of what the eye sees."""
+        return self.pixel + self.shift
+
+    def around(self, offsets: Array) -> "Places":
+        """Places beside these: for each of them, in order, those at all `offsets` (K,2) in pixels."""
+        count = len(offsets)
+        shift = (self.shift[:, None] + offsets[None]).reshape(-1, 2)
+        return Places(np.repeat(self.eye, count), np.repeat(self.pixel, count, axis=0), shift)
+
+
+@dataclass(frozen=True)
+class Ends:
+    """What rays come to: their length (N,), NaN where they are lost; steps (N,); whether they are `marched`,
+    which they are not outside a round picture, `hit`, or ran `out_of_steps` (N,); point and velocity (N,4)
+    there; and the number of the object that they show (N,), 0 for the background.
+    """
+
+    length: Array
+    steps: Array
+    marched: Flags
+    hit: Flags
+    out_of_steps: Flags
+    point: Array
+    velocity: Array
+    object: NDArray[np.intp]
+
+    def __getitem__(self, which: Which) -> "Ends":
+        return Ends(*_of_each(self, which))
+
+    @property
+    def lost(self) -> Flags:
+        """Whether they came to nothing (N,): they show the background."""
+        return self.marched & ~np.isfinite(self.length)
+
+
+@dataclass(frozen=True)
+class Offsets:
+    """How far points are from exact geodesics, to first order: by which turn (N,2) of the direction at the
+    eye and by which length (N,) they are missed; their `distance` (N,); the `area` (N,) that a solid angle of
+    1 has at this length; and by which turn (N,2) their `foot` (N,4) is missed, the point of the surface that
+    is nearest to them.
+    """
+
+    turn: Array
+    length: Array
+    distance: Array
+    area: Array
+    shown: Array
+    foot: Array
+
+    def __getitem__(self, which: Which) -> "Offsets":
+        return Offsets(*_of_each(self, which))
+
+
+class Rays:
+    """Marches the rays of single places by a method, as the picture of the scene has them.
+
+    size: of the whole picture; the scene's where it is None. lanes: width of the kernels, None for what suits
+    the device. Raises SceneError as rendering does, ValueError where the device has no double precision.
+    """
+
+    _parts: tuple[str, ...] = ("verify/trace.cl",)
+
+    def __init__(
+        self,
+        scene: schema.Scene,
+        method: Method,
+        device: Device,
+        size: Size | None = None,
+        lanes: int | None = None,
+    ) -> None:
+        import pyopencl as cl
+
+        self.scene = scene
+        self.method = method
+        self.device = device
+        self.size = size or scene.render.size
+        plan = make_plan(scene, device=device, size=self.size, method=method)
+        width = lanes or min(MOST_LANES, device.info.lane_width(method.precision))
+        self._program = ArrayProgram(_of_rays(plan.source, self._parts), method.precision, device, width)
+        self._eyes = plan.eyes
+        dtype = self._program.dtype
+        flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
+        tables = (plan.next_cell, plan.seen_from.astype(dtype), plan.texels.astype(dtype))
+        self._tables = [
+            cl.Buffer(device.context, flags, hostbuf=np.ascontiguousarray(table)) for table in tables
+        ]
+
+    @property
+    def seconds(self) -> float:
+        """How long the device was at work on the last rays, of the last eye that had some."""
+        return self._program.seconds
+
+    def threshold_at(self, length: Array, threshold: float | None = None) -> Array:
+        """How near counts as a hit (N,), after lengths (N,) of the way; threshold in place of the method's."""
+        near = self.method.threshold if threshold is None else threshold
+        angle = pixel_angle(self.scene.camera, self.size)
+        return np.maximum(near, (self.scene.render.detail or 0.0) * angle * length)
+
+    def starts(self, places: Places) -> tuple[Array, Array]:
+        """Where the rays of places begin (N,4), and their directions (N,3) in the frame there."""
+        out = self._run("verify_view", places, [], 7, threshold=self.method.threshold)
+        return out[:, :4], out[:, 4:]
+
+    def trace(self, places: Places, threshold: float | None = None, steps: int | None = None) -> Ends:
+        """March the rays of places; threshold and steps in place of the method's."""
+        near = self.method.threshold if threshold is None else threshold
+        most = self.method.steps if steps is None else steps
+        out = self._run("verify_trace", places, [], 12, most, threshold=near)
+        marched = out[:, 2] >= 0
+        lost = ~np.isfinite(out[:, 0])
+        return Ends(
+            np.where(marched, out[:, 0], np.nan),
+            out[:, 1],
+            marched,
+            (out[:, 2] == 1) & ~lost,
+            (out[:, 2] == 2) & ~lost,
+            out[:, 3:7],
+            out[:, 7:11],
+            np.where(lost, 0, out[:, 11]).astype(np.intp),
+        )
+
+    def _run(
+        self,
+        kernel: str,
+        places: Places,
+        arrays: Sequence[Array],
+        outputs: int,
+        *constants: int,
+        threshold: float,
+        more: ArrayLike = (),
+    ) -> Array:
+        """Run a kernel for each eye over its places; `more` numbers stand behind those of the plan."""
+        result = np.empty((len(places), outputs))
+        for eye, numbers in enumerate(self._eyes):
+            own = np.flatnonzero(places.eye == eye)
+            if len(own) == 0:
+                continue
+            numbers = np.concatenate([numbers, np.ravel(more)])
+            numbers[_HIT_THRESHOLD] = threshold
+            rows = [places.pixel[own], places.shift[own], *(array[own] for array in arrays)]
+            result[own] = self._program.run(
+                kernel, rows, outputs, *constants, numbers=numbers, tables=self._tables
+            )
+        return result
+
+
+class ExactRays(Rays):
+    """The truth of a picture: rays along exact geodesics in double, marched step by step to a tight
+    threshold, with nothing left out for being small (`detail`), however the scene is marched.
+
+    Raises NoDeviceError where the device has no double precision.
+    """
+
+    _parts = ("verify/trace.cl", "verify/carry.cl")
+
+    def __init__(
+        self, scene: schema.Scene, device: Device, size: Size | None = None, lanes: int | None = None
+    ) -> None:
+        if not device.info.fp64:
+            raise NoDeviceError(
+                f"{device.info.name} ({device.info.id}) has no double precision, which errors are measured "
+                "against; use a --device that 'thurston devices' lists with fp64"
+            )
+        method = Method("double", threshold=min(TRUTH_THRESHOLD, scene.render.threshold), steps=TRUTH_STEPS)
+        plain = {"start": "pixel", "detail": None}
+        if tracer_of(scene).name != "direct":
+            plain["tracer"] = "direct"
+        settings = scene.render.model_copy(update=plain)
+        super().__init__(scene.model_copy(update={"render": settings}), method, device, size, lanes)
+        lattice = scene.lattice
+        self._over_walls = np.zeros((0, 4, 4)) if lattice is None else np.asarray(lattice.over_walls)[:, :4]
+
+    def offsets(self, places: Places, turn: Array, length: Array, ends: Ends, near: Array) -> Offsets:
+        """How far the points of `ends` are from the exact geodesics of places after a length (N,), with the
+        direction at the eye turned by `turn` (N,2) radians along two axes across it. Those points are no
+        farther than `near` (N,) from a surface.
+
+        Behind the walls of a manifold's cell the image of the point counts that is nearest.
+        """
+        arrays = [turn, length[:, None], ends.point, ends.velocity, near[:, None]]
+        images = self._over_walls
+        out = self._run(
+            "verify_carry",
+            places,
+            arrays,
+            11,
+            len(self._eyes[0]),
+            len(images),
+            threshold=self.method.threshold,
+            more=images,
+        )
+        return Offsets(out[:, :2], out[:, 2], out[:, 3], out[:, 4], out[:, 5:7], out[:, 7:])
+
+
+def _of_each(arrays: Places | Ends | Offsets, which: Which) -> Iterator[NDArray[Any]]:
+    return (getattr(arrays, field.name)[which] for field in dataclasses.fields(arrays))
+
+
+def _of_rays(source: Source, parts: tuple[str, ...]) -> Source:
+    """The program of a plan up to where rays end, without their light, and with other entry points."""
+    before = source.parts[: source.parts.index("scene objects") + 1]
+    return Source((*before, "arrays.h", *parts), source.defines, source.generated)

@@ -1,0 +1,187 @@
+"""Is what a picture shows right? Some of its pixels, traced again in double (`thurston render --verify`)."""
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thurston_cl.accuracy.pictures import Errors, all_places, compare, worst
+from thurston_cl.accuracy.rays import Array, Ends, ExactRays, Places, Rays
+from thurston_cl.device import Device
+from thurston_cl.geometry import for_few_points
+from thurston_cl.method import Method
+from thurston_cl.models import ISOTROPIC, PRODUCTS
+from thurston_cl.sampling import sample_shifts
+from thurston_cl.scene import schema
+from thurston_cl.scene.picture import Area, Size
+
+SEED = 1
+# So many of the worst pixels are named.
+NAMED = 5
+# Pixels among which those with the largest estimate are looked for, at most: all of an ordinary picture.
+MOST_CANDIDATES = 1 << 20
+# The spacing of numbers about 1 in each arithmetic.
+ROUNDING = {"single": float(np.finfo(np.float32).eps), "double": float(np.finfo(np.float64).eps)}
+
+
+@dataclass(frozen=True)
+class Verification:
+    """The errors of pixels drawn by chance, and of those whose estimated error is the largest."""
+
+    drawn: Errors
+    suspected: Errors
+    seed: int
+    seconds: float
+
+    @property
+    def words(self) -> list[str]:
+        """What was found, in a few lines."""
+        lines = [
+            _in_words(f"{len(self.drawn.places)} random pixels", self.drawn),
+            _in_words(f"the {len(self.suspected.places)} with the largest estimate", self.suspected),
+        ]
+        found = self.worst[:NAMED]
+        if found and found[0]["over_half_pixel"]:
+            named = ", ".join(_place_in_words(one) for one in found if one["over_half_pixel"])
+            lines.append(f"worst: {named}")
+        return lines
+
+    @property
+    def worst(self) -> list[dict[str, Any]]:
+        """The worst pixels of both, the worst first, each with its place and what is wrong there."""
+        found = [
+            _pixel(errors, int(k)) for errors in (self.drawn, self.suspected) for k in worst(errors, NAMED)
+        ]
+        unique = {(one["eye"], *one["pixel"], *one["place"]): one for one in found}
+        return sorted(
+            unique.values(), key=lambda one: (not one["over_half_pixel"], -(one["shown_pixels"] or 0))
+        )
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """All of it, for JSON; `n` and the fractions are of pixels that were marched."""
+        return {
+            "seed": self.seed,
+            "seconds": self.seconds,
+            "random": self.drawn.summary,
+            "largest_estimate": self.suspected.summary,
+            "worst": self.worst[: 2 * NAMED],
+        }
+
+
+def verify(
+    scene: schema.Scene,
+    count: int,
+    method: Method,
+    device: Device,
+    size: Size | None = None,
+    samples: int | None = None,
+    area: Area | None = None,
+    seed: int = SEED,
+) -> Verification:
+    """Trace `count` pixels of a picture again, drawn by chance, each at one of its samples, and as many with
+    the largest estimated error, at their first sample.
+
+    method: that of the picture. size, samples, area (left, top, right, bottom): of the picture, the scene's
+    where they are None. Where a picture has fewer pixels all of them are traced. Raises as
+    `thurston_cl.accuracy.pictures.errors`.
+    """
+    started = time.perf_counter()
+    settings = scene.render
+    exact = ExactRays(scene, device, size)
+    rays = Rays(scene, method, device, size)
+    random = np.random.default_rng(seed)
+    shifts = sample_shifts(settings.samples if samples is None else samples, settings.filter, settings.seed)
+    pixels = all_places(scene, size, shifts[0], area)
+    drawn = pixels[np.sort(random.choice(len(pixels), min(count, len(pixels)), replace=False))]
+    drawn = Places(drawn.eye, drawn.pixel, shifts[random.integers(len(shifts), size=len(drawn))])
+    candidates = pixels
+    if len(pixels) > MOST_CANDIDATES:
+        candidates = pixels[np.sort(random.choice(len(pixels), MOST_CANDIDATES, replace=False))]
+    ends = rays.trace(candidates)
+    largest = np.argsort(-estimate(rays, ends), kind="stable")[: min(count, len(candidates))]
+    return Verification(
+        compare(rays, exact, drawn, rays.trace(drawn)),
+        compare(rays, exact, candidates[largest], ends[largest]),
+        seed,
+        time.perf_counter() - started,
+    )
+
+
+def estimate(rays: Rays, ends: Ends) -> Array:
+    """About how large the angle errors (N,) of rays are, in radians: what they come to is off by up to the
+    threshold and by rounding, which is seen from the eye under the angle that this makes over the root of the
+    area density (paper 5.7). Infinite for rays that are lost or out of steps, 0 for those that hit nothing.
+    """
+    found = np.where(ends.lost | ends.out_of_steps, np.inf, 0.0)
+    hit = ends.hit
+    if hit.any():
+        length, point = ends.length[hit], ends.point[hit]
+        rounding = ROUNDING[rays.method.precision] * (1 + np.abs(point).max(axis=1))
+        geometry = for_few_points(rays.scene.geometry, rays.device)
+        back = _direction_back(rays.scene.geometry, ends.velocity[hit])
+        with np.errstate(divide="ignore"):
+            spread = np.sqrt(np.abs(geometry.area_density(back, length)))
+            found[hit] = (rays.threshold_at(length) + rounding * (1 + length)) / spread
+    return found
+
+
+def _direction_back(geometry: str, velocity: Array) -> Array:
+    """Unit directions (N,3) from which geodesics spread as those do that arrive with a velocity (N,4): the
+    area density is the same both ways, and depends on the component along the line, or on none.
+    """
+    if geometry in ISOTROPIC:
+        return np.broadcast_to([0.0, 0.0, 1.0], (len(velocity), 3))
+    if geometry in PRODUCTS:
+        along = np.clip(velocity[:, 3], -1, 1)
+        return np.stack([np.sqrt(1 - along**2), np.zeros_like(along), along], axis=1)
+    back = -velocity[:, :3]
+    return back / np.linalg.norm(back, axis=1, keepdims=True)
+
+
+def _in_words(which: str, errors: Errors) -> str:
+    summary = errors.summary
+    text = (
+        f"{which}: {1 - summary['over_half_pixel']:.2%} within half a pixel, "
+        f"{round(summary['ids_differ'] * summary['n'])} show another object"
+    )
+    pixels, angle = summary["angle_pixels"], summary["angle"]
+    if pixels is None or angle is None:
+        return text
+    spread = ", ".join(f"{name}{'' if name == 'max' else ' %'} {pixels[name]:.2g}" for name in pixels)
+    return f"{text}; angle error in pixels {spread} (max {angle['max']:.2g} rad)"
+
+
+def _place_in_words(one: dict[str, Any]) -> str:
+    x, y = one["pixel"]
+    eye = f" of eye {one['eye'] + 1}" if one["eye"] else ""
+    if one["object"] != one["true_object"]:
+        return f"{x},{y}{eye} shows object {one['object']} instead of {one['true_object']}"
+    if one["shown_pixels"] is not None and one["shown_pixels"] > 0.5:
+        return f"{x},{y}{eye} off by {one['shown_pixels']:.2g} pixels"
+    return f"{x},{y}{eye} at the depth {one['depth']:.3g} instead of {one['true_depth']:.3g}"
+
+
+def _pixel(errors: Errors, k: int) -> dict[str, Any]:
+    """What is known of one pixel."""
+    width = 2 * errors.half_pixel[k]
+    x, y = (int(value) for value in errors.places.pixel[k])
+    return {
+        "pixel": [x, y],
+        "eye": int(errors.places.eye[k]),
+        "place": [float(value) for value in errors.places.xy[k]],
+        "over_half_pixel": bool(errors.over[k]),
+        "object": int(errors.method.object[k]),
+        "true_object": int(errors.truth.object[k]),
+        "angle": _number(errors.angle[k]),
+        "angle_pixels": _number(errors.angle[k] / width),
+        "shown_pixels": _number(errors.shown[k] / width),
+        "depth": _number(errors.method.length[k]),
+        "true_depth": _number(errors.truth.length[k]),
+    }
+
+
+def _number(value: NDArray[np.float64] | float) -> float | None:
+    return float(value) if np.isfinite(value) else None
