@@ -28,6 +28,7 @@ ROW = Row(
     angle_quantile=1e-13,
     angle_mean=1e-14,
     worst="",
+    unsolved=0,
     floor=1e-14,
 )
 

@@ -54,7 +54,9 @@ def test_each_row_of_the_longest_time_has_its_place() -> None:
 
 
 def test_errors_of_0_stand_below_all_others_and_flaws_are_crossed_out() -> None:
-    drawn = figure([row(angle_max=0.0, angle_mean=0.0), row(flow="rk2", step=0.1, angle_max=1e-4, lost=1)])
+    drawn = figure(
+        [row(angle_max=0.0, angle_mean=0.0), row(flow="rk2", step=0.1, angle_max=1e-4, lost=1, count=999)]
+    )
     (axes,) = [axes for axes in drawn.axes if axes.axison]
     ((_, zero, _),) = marks(axes, "*", 15)
     assert 0 < zero < 1e-14

@@ -153,6 +153,21 @@ def test_what_is_off_or_lost_is_counted_and_spoils_the_quantile(opencl_device: D
     assert math.isnan(row.relative)  # single exact was not measured
 
 
+def test_where_the_true_geodesic_is_not_found_no_angle_is_measured(
+    opencl_device: Device, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exact = Geometry("nil", "double", opencl_device)
+    found = np.array([1e-9, 0.7, 3e-9, 2e-9])
+    monkeypatch.setattr(protocol, "angle_errors", lambda *what: found.copy())
+    block = protocol._block(exact, 6.0, uniform(4))
+    assert block.solved.tolist() == [True, False, True, True]
+    assert block.floor == pytest.approx(math.degrees(3e-9))
+    row = protocol._row(Candidate(Flow("nil"), "single"), exact, exact, block)
+    assert (row.unsolved, row.off, row.lost, row.count) == (1, 0, 0, 4)
+    assert row.angle_max == row.angle_quantile == pytest.approx(math.degrees(3e-9))
+    assert row.angle_mean == pytest.approx(math.degrees(2e-9))
+
+
 def test_all_lost(opencl_device: Device) -> None:
     exact = Geometry("nil", "double", opencl_device)
     block = protocol._block(exact, 6.0, uniform(4))
@@ -160,7 +175,7 @@ def test_all_lost(opencl_device: Device) -> None:
         name="nil", flow=lambda vectors, time: (np.full((4, 4), np.inf), None), flow_seconds=0.25
     )
     row = protocol._row(Candidate(Flow("nil", "rk4", 0.1), "single"), flowing, exact, block)
-    assert (row.lost, row.off, row.worst) == (4, 0, "")
+    assert (row.lost, row.off, row.unsolved, row.worst) == (4, 0, 0, "")
     assert all(
         math.isnan(error) for error in (row.distance_max, row.distance_mean, row.angle_max, row.angle_mean)
     )

@@ -42,10 +42,11 @@ def test_the_front_is_of_what_nothing_beats() -> None:
     # One that is as accurate as a faster one is not on it; nor is one that is off, lost, or nothing at all.
     twin = row(seconds=3e-3)
     assert front([double, twin]) == {double}
-    for changes in ({"off": 1}, {"lost": 1}, {"angle_max": NAN}):
-        flawed = row(seconds=1e-9, **changes)
+    for changes in ({"off": 6}, {"lost": 6}, {"off": 3, "lost": 3}, {"angle_max": NAN}):
+        flawed = row(seconds=1e-9, count=5000, **changes)
         assert not usable(flawed)
         assert front([double, flawed]) == {double}
+    assert usable(row(count=5000, off=3, lost=2))
 
 
 def test_blocks_are_of_one_geometry_time_and_set() -> None:
@@ -66,6 +67,11 @@ def test_text_shows_every_number_and_marks_the_front() -> None:
     assert lines[3].split()[-3:] == ["*", "[mpmath,", "48]"]
     assert words(lines[5]) == "rk4 0.1 single 4 4 1.0e-14 1.0e-15 0 0 1.0e-03 1.0e-03 1.0e-14"
     assert lines[6:] == verdict(rows())
+
+
+def test_directions_without_angle_are_spoken_of() -> None:
+    title = text([*rows(), row(unsolved=3)]).splitlines()[0]
+    assert title.endswith("1.0e-14; 3 directions without angle, as their geodesic is not found)")
 
 
 def test_text_of_errors_that_are_none_or_nothing() -> None:

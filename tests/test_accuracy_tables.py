@@ -62,7 +62,7 @@ def test_a_row_of_the_paper(
         # Both counts are random: four standard deviations, of ours mostly.
         assert abs(found - wanted) <= 4 * np.sqrt(wanted * (1 + COUNT / PAPERS))
         if time == 6:
-            # At t = 10 this mean hangs on a few directions next to the cut locus. The paper's 1.2e-9 for rk4 in
-            # nil in steps of 0.01 is below ours, 1.7e-9, and its maximum, 2.7e-8, above ours, 8.0e-9.
+            # At t = 10 this mean hangs on a few directions next to the cut locus. The paper's 1.2e-9 for rk4
+            # in nil in steps of 0.01 is below ours, 1.7e-9, and its maximum, 2.7e-8, above ours, 8.0e-9.
             mean = angles[angles <= OFF_ABOVE[name]].mean()
             assert mean == pytest.approx(angle_mean, rel=0.15 if angle_mean > 1e-8 else 0.5)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from thurston_cl.accuracy.protocol import Row
+from thurston_cl.accuracy.protocol import QUANTILE, Row
 from thurston_cl.accuracy.table import HALF_PIXELS, front, usable
 
 # Colors that are told apart by everyone (Okabe and Ito), and a shape for each as well.
@@ -213,7 +213,7 @@ def _legend(axes: Any, rows: Sequence[Row]) -> None:
         entry("double precision", "o", gray, markerfacecolor=gray),
         entry("single precision", "o", gray, markerfacecolor="white", markeredgewidth=1.4),
         entry("mean; the others are maxima", "o", gray, markerfacecolor=gray, markersize=4.5, alpha=FAINT),
-        entry("some directions off or lost", "x", LIMIT_COLOR, markersize=12),
+        entry(f"over {1 - QUANTILE:.1%} of directions off or lost", "x", LIMIT_COLOR, markersize=12),
         Line2D([], [], color="#bdbdbd", linewidth=6, alpha=0.55, label="Pareto front of the maxima"),
         Line2D([], [], color=gray, linewidth=1, alpha=FAINT, label=f"one method, steps {by}"),
         Line2D(
