@@ -12,11 +12,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from thurston_cl.errors import Interrupted, NoDeviceError, OutputError, ThurstonError
 from thurston_cl.models import GEOMETRIES
 
-from .options import DEVICE, MEASURING, OTHER, OUTPUT, GroupedCommand, Option
+from .options import DEVICE, MEASURING, OTHER, OUTPUT, GroupedCommand, Option, scene_changes
 
 if TYPE_CHECKING:
     from thurston_cl.accuracy.protocol import Row
@@ -26,6 +27,15 @@ PLOT_SUFFIXES = (".png", ".svg", ".pdf")
 MOST_DIRECTIONS = 1_000_000
 LONGEST = 100.0
 MOST_STEPS = 1_000_000
+# Options that a scene leaves no room for, by parameter.
+FOR_FLOWS = {
+    "geometries": "--geometry",
+    "times": "--times",
+    "count": "--directions",
+    "steps": "--steps",
+    "plot_file": "--plot",
+    "force": "--force",
+}
 # What is measured where the options do not say; written out, as --help must not wait for NumPy.
 TIMES, STEPS, DIRECTIONS = (6.0, 10.0), (0.1, 0.01), 10_000
 
@@ -59,6 +69,7 @@ def _check_plot(ctx: click.Context, param: click.Parameter, file: str | None) ->
 
 @click.command(cls=GroupedCommand)
 @click.argument("scene", required=False)
+@scene_changes
 @click.option(
     "--geometry",
     "geometries",
@@ -119,8 +130,12 @@ def _check_plot(ctx: click.Context, param: click.Parameter, file: str | None) ->
     help="cpu, gpu, an id such as 0:0, or part of a name; see 'thurston devices'.",
 )
 @click.option("-q", "--quiet", is_flag=True, cls=Option, group=OTHER, help="Do not show progress.")
+@click.pass_context
 def command(
+    ctx: click.Context,
     scene: str | None,
+    defines: dict[str, str],
+    sets: tuple[str, ...],
     geometries: tuple[str, ...],
     times: tuple[float, ...],
     count: int,
@@ -132,17 +147,31 @@ def command(
     device: str | None,
     quiet: bool,
 ) -> None:
-    """Measure what accuracy costs: time against error, by method, precision and step.
+    """Measure what accuracy costs: time against error, by method and precision.
 
     Without SCENE geodesics from the origin are followed, exactly and by integrators, as in appendix A of the
-    paper; that takes some minutes for all eight geometries. Ctrl-C prints what is finished.
+    paper; that takes some minutes for all eight geometries. With SCENE, a file or the name of one that comes
+    with the program, its picture is rendered with each. Ctrl-C prints what is finished.
 
     \b
-      thurston accuracy --geometry nil --times 6,10 --plot nil.png
+      thurston accuracy --geometry nil --plot nil.png
       thurston accuracy --csv > accuracy.csv
+      thurston accuracy h3/seifert-weber
     """
     if as_json and as_csv:
         raise click.UsageError("--json and --csv are two ways to print the same: leave out one")
+    if scene is not None:
+        for name, option in FOR_FLOWS.items():
+            if ctx.get_parameter_source(name) is not ParameterSource.DEFAULT:
+                raise click.UsageError(f"{option} is for flows without a scene: leave out it or {scene}")
+        from .accuracy_scene import report_scene
+
+        report_scene(
+            scene, defines=defines, sets=sets, as_json=as_json, as_csv=as_csv, device=device, quiet=quiet
+        )
+        return
+    if sets or defines:
+        raise click.UsageError("--set and -D change a scene: name one")
     most = max(times) / min(steps)
     if most > MOST_STEPS:
         raise click.UsageError(

@@ -82,6 +82,11 @@ def _match(pattern: str, text: str, form: str) -> tuple[str, ...]:
 
 def scene_options(function: Command) -> Command:
     """SCENE and what changes it: the arguments `scene`, `defines` (a dict) and `sets`."""
+    return scene_changes(click.argument("scene")(function))
+
+
+def scene_changes(function: Command) -> Command:
+    """What changes a scene: the arguments `defines` (a dict) and `sets`."""
     for decorate in (
         click.option(
             "--set",
@@ -104,7 +109,6 @@ def scene_options(function: Command) -> Command:
             group=SCENE,
             help="Give a param of the scene another value.",
         ),
-        click.argument("scene"),
     ):
         function = decorate(function)
     return function
