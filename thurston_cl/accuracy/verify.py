@@ -89,16 +89,13 @@ def verify(
     `thurston_cl.accuracy.pictures.errors`.
     """
     started = time.perf_counter()
-    settings = scene.render
     exact = ExactRays(scene, device, size)
     rays = Rays(scene, method, device, size)
-    random = np.random.default_rng(seed)
-    shifts = sample_shifts(settings.samples if samples is None else samples, settings.filter, settings.seed)
-    pixels = all_places(scene, size, shifts[0], area)
-    drawn = pixels[np.sort(random.choice(len(pixels), min(count, len(pixels)), replace=False))]
-    drawn = Places(drawn.eye, drawn.pixel, shifts[random.integers(len(shifts), size=len(drawn))])
+    drawn = random_places(scene, count, size, samples, area, seed)
+    pixels = all_places(scene, size, _shifts(scene, samples)[0], area)
     candidates = pixels
     if len(pixels) > MOST_CANDIDATES:
+        random = np.random.default_rng(seed)
         candidates = pixels[np.sort(random.choice(len(pixels), MOST_CANDIDATES, replace=False))]
     ends = rays.trace(candidates)
     largest = np.argsort(-estimate(rays, ends), kind="stable")[: min(count, len(candidates))]
@@ -108,6 +105,27 @@ def verify(
         seed,
         time.perf_counter() - started,
     )
+
+
+def random_places(
+    scene: schema.Scene,
+    count: int,
+    size: Size | None = None,
+    samples: int | None = None,
+    area: Area | None = None,
+    seed: int = SEED,
+) -> Places:
+    """`count` pixels of a picture drawn by chance, none twice, each at one of its samples; as `verify`."""
+    random = np.random.default_rng(seed)
+    pixels = all_places(scene, size, area=area)
+    drawn = pixels[random.permutation(len(pixels))[:count]]
+    shifts = _shifts(scene, samples)
+    return Places(drawn.eye, drawn.pixel, shifts[random.integers(len(shifts), size=len(drawn))])
+
+
+def _shifts(scene: schema.Scene, samples: int | None) -> Array:
+    settings = scene.render
+    return sample_shifts(settings.samples if samples is None else samples, settings.filter, settings.seed)
 
 
 def estimate(rays: Rays, ends: Ends) -> Array:
@@ -143,9 +161,11 @@ def _direction_back(geometry: str, velocity: Array) -> Array:
 
 def _in_words(which: str, errors: Errors) -> str:
     summary = errors.summary
+    count = summary["n"]
+    over, other = (round(summary[key] * count) for key in ("over_half_pixel", "ids_differ"))
     text = (
-        f"{which}: {1 - summary['over_half_pixel']:.2%} within half a pixel, "
-        f"{round(summary['ids_differ'] * summary['n'])} show another object"
+        f"{which}: {count - over} of {count} within half a pixel ({1 - summary['over_half_pixel']:.2%}), "
+        f"{other} show another object"
     )
     pixels, angle = summary["angle_pixels"], summary["angle"]
     if pixels is None or angle is None:
