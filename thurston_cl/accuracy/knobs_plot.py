@@ -23,8 +23,8 @@ DRAWN = "99.9"
 
 
 def plot(rows: Sequence[Row], file: str, title: str) -> None:
-    """Draw the rows into `file`, a .png, .svg or .pdf: the fraction of pixels over half a pixel, and the angle
-    error of 99.9 % of them, against time.
+    """Draw the rows into `file`, a .png, .svg or .pdf: the fraction of pixels over half a pixel, and the
+    angle error of 99.9 % of them, against time.
 
     ValueError where there are none.
     """

@@ -146,7 +146,7 @@ class Rays:
         ]
 
     def threshold_at(self, length: Array, threshold: float | None = None) -> Array:
-        """How near counts as a hit (N,) after lengths (N,) of the way; threshold: in place of the method's."""
+        """How near counts as a hit (N,) after lengths (N,) of the way; threshold: not the method's."""
         near = self.method.threshold if threshold is None else threshold
         angle = pixel_angle(self.scene.camera, self.size)
         return np.maximum(near, (self.scene.render.detail or 0.0) * angle * length)
