@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options import OTHER, OUTPUT, GroupedCommand, Option, check_precision, device_options, scene_options
+from .options import (
+    OTHER,
+    OUTPUT,
+    GroupedCommand,
+    Option,
+    accuracy_option,
+    check_precision,
+    device_options,
+    scene_options,
+)
 
 if TYPE_CHECKING:
     from thurston_cl.scene.schema import Output
@@ -20,6 +29,7 @@ if TYPE_CHECKING:
 @click.command(cls=GroupedCommand)
 @scene_options
 @device_options
+@accuracy_option
 @click.option(
     "--source",
     "show_source",
@@ -35,6 +45,7 @@ def command(
     sets: tuple[str, ...],
     device: str | None,
     precision: str | None,
+    accuracy: str | float | None,
     show_source: bool,
     as_json: bool,
 ) -> None:
@@ -49,8 +60,8 @@ def command(
 
     loaded = load_scene(scene, defines=defines, sets=sets)
     chosen = choose(device)
-    arithmetic = check_precision(chosen, precision or loaded.render.precision)
-    plan = make_plan(loaded, device=chosen)
+    plan = make_plan(loaded, device=chosen, precision=precision, accuracy=accuracy)
+    arithmetic = check_precision(chosen, plan.method.precision)
     lanes = chosen.info.lane_width(arithmetic)
     options = plan.source.options(arithmetic, lanes)
     rows = {
@@ -64,6 +75,8 @@ def command(
         answer = {
             "explanation": rows,
             "called_for": plan.called_for,
+            "method": dataclasses.asdict(plan.method),
+            "accuracy": None if plan.choice is None else plan.choice.metadata,
             "left_out": plan.left_out,
             "costs": {
                 name: {"work": cost.work, "count": cost.count, "share_of_first_rays": cost.share}

@@ -28,6 +28,7 @@ COMMANDS = {
     "validate": "Check scenes, and list every mistake.",
     "schema": "Print the JSON Schema of scenes, for editors.",
     "scenes": "List the scenes that come with thurston.",
+    "accuracy": "Measure what accuracy costs in time.",
     "devices": "List the OpenCL devices, and whether they work.",
 }
 

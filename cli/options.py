@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 SCENE = "Scene"
 OUTPUT = "Output"
 RENDERING = "Rendering"
+MEASURING = "Measuring"
 DEVICE = "Device"
 OTHER = "Other"
 
@@ -37,7 +38,7 @@ class GroupedCommand(click.Command):
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         groups: dict[str, list[tuple[str, str]]] = {
-            group: [] for group in (SCENE, OUTPUT, RENDERING, DEVICE, OTHER)
+            group: [] for group in (SCENE, MEASURING, OUTPUT, RENDERING, DEVICE, OTHER)
         }
         for option in self.get_params(ctx):
             record = option.get_help_record(ctx)
@@ -107,6 +108,32 @@ def scene_options(function: Command) -> Command:
     ):
         function = decorate(function)
     return function
+
+
+def _parse_accuracy(ctx: click.Context, param: click.Parameter, text: str | None) -> str | float | None:
+    if text is None:
+        return None
+    from pydantic_core import PydanticCustomError
+
+    from thurston_cl.scene.values import accuracy
+
+    try:
+        return accuracy(text)
+    except PydanticCustomError as error:
+        raise click.BadParameter(error.message()) from error
+
+
+def accuracy_option(function: Command) -> Command:
+    """How exact a picture is to be: the argument `accuracy`, a word or an angle in radians, None where not given."""
+    return click.option(
+        "--accuracy",
+        metavar="WORD|ANGLE",
+        callback=_parse_accuracy,
+        cls=Option,
+        group=RENDERING,
+        help="Take the cheapest method that shows 99.9 % of the pixels that exactly: half-pixel, quarter-pixel, "
+        "draft, reference, or an angle such as '1e-5 rad'. [default: of the scene]",
+    )(function)
 
 
 def check_precision(device: Device, precision: str) -> str:

@@ -25,6 +25,7 @@ from .options import (
     RENDERING,
     GroupedCommand,
     Option,
+    accuracy_option,
     check_precision,
     device_options,
     parse_crop,
@@ -41,7 +42,8 @@ if TYPE_CHECKING:
 # The formats, channels and views of image.py, written out: --help must not wait for OpenImageIO.
 SUFFIXES = (".exr", ".png")
 CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
-HEAT_CHANNELS = ("depth", "steps")
+EVERY_CHANNEL = ("beauty", "depth", "normal", "steps", "error", "object", "cell")
+HEAT_CHANNELS = ("depth", "steps", "error")
 VIEWS = ("none", "filmic", "aces")
 EXPOSURE_LIMIT = 32.0
 # Pixels that --verify and --verify-mp take, at most: more are no sample any more, or take hours.
@@ -87,8 +89,8 @@ def _split_channels(ctx: click.Context, param: click.Parameter, text: str | None
         return None
     names = tuple(name.strip() for name in text.split(","))
     for name in names:
-        if name not in CHANNELS:
-            raise click.BadParameter(f"{name!r} is not one of {', '.join(CHANNELS)}")
+        if name not in EVERY_CHANNEL:
+            raise click.BadParameter(f"{name!r} is not one of {', '.join(EVERY_CHANNEL)}")
     return names
 
 
@@ -132,15 +134,16 @@ def _check_most(ctx: click.Context, param: click.Parameter, most: float | None) 
     callback=_split_channels,
     cls=Option,
     group=OUTPUT,
-    help=f"What the .exr of -o holds. [default: all: {','.join(CHANNELS)}]",
+    help=f"What the .exr of -o holds. [default: {','.join(CHANNELS)}]; also error, an "
+    "estimate of how far off what is shown may be seen, in radians",
 )
 @click.option(
     "--shows",
     type=click.Choice(("beauty", *HEAT_CHANNELS)),
     cls=Option,
     group=OUTPUT,
-    help="What the .png of -o shows: the picture, or a heat map of a ray's length or its number of steps, "
-    "from white for 0 to black at --most. [default: beauty]",
+    help="What the .png of -o shows: the picture, or a heat map of a ray's length, its number of steps or the "
+    "estimate of its error, from white for 0 to black at --most. [default: beauty]",
 )
 @click.option(
     "--most",
@@ -194,6 +197,7 @@ def _check_most(ctx: click.Context, param: click.Parameter, most: float | None) 
     help="Render these pixels only, without column X1 and row Y1; rows count from the top.",
 )
 @device_options
+@accuracy_option
 @click.option(
     "--lanes",
     type=click.Choice(["1", "4", "8", "16", "32", "64"]),
@@ -247,6 +251,7 @@ def command(
     crop: tuple[int, int, int, int] | None,
     device: str | None,
     precision: str | None,
+    accuracy: str | float | None,
     lanes: int | None,
     finish: str | None,
     verify: int | None,
@@ -277,7 +282,10 @@ def command(
     if crop is not None:
         _check_crop(crop, size or loaded.render.size)
     chosen = choose(device)
-    check_precision(chosen, precision or loaded.render.precision)
+    if accuracy is None and loaded.render.accuracy is None:
+        check_precision(chosen, precision or loaded.render.precision)
+    elif precision is not None:
+        check_precision(chosen, precision)
     if verify or verify_mp:
         _check_truth(chosen)
 
@@ -289,6 +297,7 @@ def command(
                 loaded,
                 device=chosen,
                 precision=precision,
+                accuracy=accuracy,
                 lanes=lanes,
                 finish=finish,
                 size=size,
@@ -302,8 +311,11 @@ def command(
             image.save(target.file, target.channels, force, film.exposure, film.view, film.most)
             written.append(target.file)
         seconds = time.perf_counter() - start
-        picture = _Picture(loaded, Method.of(loaded, precision=precision), chosen, size, samples, crop)
-        checked = _verify(picture, verify, verify_mp)
+        checked = _Checked()
+        if verify or verify_mp:
+            method = Method(**image.statistics["method"])
+            picture = _Picture(loaded, method, chosen, size, samples, crop)
+            checked = _verify(picture, verify, verify_mp)
     except KeyboardInterrupt:
         raise Interrupted(f"only {', '.join(written)} written" if written else "nothing written") from None
     _report(image, targets, checked, seconds, noted, as_json=as_json, quiet=quiet)
@@ -360,7 +372,7 @@ def _wanted(targets: Sequence[_Target]) -> tuple[str, ...]:
     """The channels that the files need: what is not asked for is not worked out."""
     if any(target.channels is None for target in targets):
         return CHANNELS
-    return tuple(name for name in CHANNELS if any(name in (target.channels or ()) for target in targets))
+    return tuple(name for name in EVERY_CHANNEL if any(name in (target.channels or ()) for target in targets))
 
 
 def _is_png(file: str) -> bool:

@@ -31,6 +31,8 @@
 #define FIRST_STEPS 15
 #define FIRST_OBJECT 16
 #define FIRST_CELL 17
+// Where a picture asks for it.
+#define FIRST_ERROR 18
 
 // The place of a tile in the picture, its width with padding, and the place of the sample in its pixel. Pixels of the padding,
 // from `right` and `bottom` on, are not marched, nor are those whose middle is outside a round picture.
@@ -180,5 +182,8 @@ __kernel void shade(__global const scalar *records, __global scalar *pixels, int
     STORE(record[RECORD_STEPS], packet, pixels + (size_t)FIRST_STEPS * stride);
     STORE(SELECT(hit, first.s.object, REAL(0)), packet, pixels + (size_t)FIRST_OBJECT * stride);
     STORE(SELECT(hit, first.cell + REAL(1), REAL(0)), packet, pixels + (size_t)FIRST_CELL * stride);
+#ifdef ERROR_CHANNEL
+    STORE(error_estimate(r, scene), packet, pixels + (size_t)FIRST_ERROR * stride);
+#endif
   }
 }

@@ -898,7 +898,7 @@ class Walls:
                 "}",
             ]
         )
-        parts = (*geometry_parts("sol"), "scene_types.h", "march.h", "cells.h", "walls")
+        parts = (*geometry_parts("sol"), "scene_types.h", "flow/exact.h", "march.h", "cells.h", "walls")
         defines = {"WALLS": len(lattice.walls), "CELLS": len(self.cells)}
         self.program = build(device, Source(parts, defines, {"walls": text}), precision, lanes)
         self.numbers = np.array(numbers.values, self.dtype)

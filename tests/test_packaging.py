@@ -20,7 +20,7 @@ PACKAGES = {
     "cli": "thurston_cl/cli",
     "scenes": "thurston_cl/scenes",
 }
-SUFFIXES = (".py", ".cl", ".h", ".yaml", ".typed", ".ocio", ".jpg")
+SUFFIXES = (".py", ".cl", ".h", ".yaml", ".json", ".typed", ".ocio", ".jpg")
 
 
 def sources(root: Path) -> set[str]:

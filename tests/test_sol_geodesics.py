@@ -620,4 +620,6 @@ def with_bound(bound: int, precision: str, device: Device, monkeypatch: pytest.M
             "kernel_text",
             lambda part: text if part == "special/newton.h" else kernel_text(part),
         )
-        return Geometry("sol", precision, device, lanes=4)
+        g = Geometry("sol", precision, device, lanes=4)
+        assert g._program.built  # built while the bound is changed
+        return g

@@ -74,7 +74,13 @@ def turning_eye(name: str, device: Device, precision: str, lanes: int) -> SmallK
       OUT(0, r.p.x); OUT(1, r.p.y); OUT(2, r.p.z); OUT(3, r.p.w); OUT(4, u.x); OUT(5, u.y); OUT(6, u.z);
       """
     camera = ("frame", "equirectangular", "omnidirectional")
-    parts = (*geometry_parts(name), "scene_types.h", "march.h", *(f"camera/{file}.h" for file in camera))
+    parts = (
+        *geometry_parts(name),
+        "scene_types.h",
+        "flow/exact.h",
+        "march.h",
+        *(f"camera/{file}.h" for file in camera),
+    )
     return SmallKernels(device, parts, {"eye": Body(2, 7, text)}, precision, lanes, head)
 
 

@@ -470,7 +470,7 @@ FN mask scene_unbounding(point c, real radius, scene_data scene)
 @pytest.mark.parametrize("lanes", [1, 16])
 @pytest.mark.parametrize("tracer", ["direct", *TRACERS])
 def test_a_nan_ends_a_lane_and_no_other(tracer: str, lanes: int, opencl_device: Device) -> None:
-    parts = (*geometry_parts("e3"), "scene_types.h", "march.h", "march/stretch.h")
+    parts = (*geometry_parts("e3"), "scene_types.h", "flow/exact.h", "march.h", "march/stretch.h")
     own = program.kernel_text("march/compound.h")
     assert "COMPONENTS" in own
     after = (f"march/{tracer}.h", "march/loop.h")

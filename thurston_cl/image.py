@@ -34,11 +34,14 @@ FLOAT_CHANNELS: dict[str, tuple[str, ...]] = {
     "depth": ("depth",),
     "normal": ("normal.X", "normal.Y", "normal.Z"),
     "steps": ("steps",),
+    "error": ("error",),
 }
 INTEGER_CHANNELS: dict[str, tuple[str, ...]] = {"object": ("object.id",), "cell": ("cell.id",)}
-CHANNELS = (*FLOAT_CHANNELS, *INTEGER_CHANNELS)
+EVERY_CHANNEL = (*FLOAT_CHANNELS, *INTEGER_CHANNELS)
+# Those that are made without being named.
+CHANNELS = tuple(name for name in EVERY_CHANNEL if name != "error")
 # Of which a PNG may be a heat map.
-HEAT_CHANNELS = ("depth", "steps")
+HEAT_CHANNELS = ("depth", "steps", "error")
 SUFFIXES = (".exr", ".png")
 # How light becomes the color of a screen; `film.ocio` says how each of them does.
 VIEWS = ("none", "filmic", "aces")
@@ -209,7 +212,7 @@ class Image:
 def _names(channel: str) -> tuple[str, ...]:
     names = FLOAT_CHANNELS.get(channel) or INTEGER_CHANNELS.get(channel)
     if names is None:
-        raise ValueError(f"unknown channel {channel!r}; there are {', '.join(CHANNELS)}")
+        raise ValueError(f"unknown channel {channel!r}; there are {', '.join(EVERY_CHANNEL)}")
     return names
 
 
@@ -349,11 +352,11 @@ def check_output(
     if suffix not in SUFFIXES:
         raise OutputError(f"{path}: a picture's name ends in {' or '.join(SUFFIXES)}")
     if channels is not None:
-        wrong = [name for name in channels if name not in CHANNELS]
+        wrong = [name for name in channels if name not in EVERY_CHANNEL]
         if not channels:
-            raise OutputError(f"{path}: no channels are named; there are {', '.join(CHANNELS)}")
+            raise OutputError(f"{path}: no channels are named; there are {', '.join(EVERY_CHANNEL)}")
         if wrong:
-            raise OutputError(f"{path}: unknown channels {', '.join(wrong)}; there are {', '.join(CHANNELS)}")
+            raise OutputError(f"{path}: unknown channels {', '.join(wrong)}; there are {', '.join(EVERY_CHANNEL)}")
         if suffix == ".png" and (len(channels) != 1 or channels[0] not in ("beauty", *HEAT_CHANNELS)):
             raise OutputError(
                 f"{path}: a PNG shows beauty, depth or steps, one of them; "

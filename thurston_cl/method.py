@@ -17,7 +17,9 @@ class Method:
     """What accuracy and time of a picture depend on, beside what is in it.
 
     precision: "single" or "double". flow, step: see `thurston_cl.flows.Flow`. threshold: a ray has hit what
-    is nearer than this. steps: the most that a ray may take. Raises ValueError for unknown names.
+    is nearer than this. steps: the most that a ray may take. newton, agm: the most iterations of any solve and
+    of the arithmetic-geometric mean, None for as many as the precision can use. Raises ValueError for unknown
+    names.
     """
 
     precision: str = "single"
@@ -25,6 +27,8 @@ class Method:
     step: float | None = None
     threshold: float = 1e-4
     steps: int = 300
+    newton: int | None = None
+    agm: int | None = None
 
     def __post_init__(self) -> None:
         if self.precision not in PRECISIONS:
@@ -46,6 +50,12 @@ class Method:
             settings.steps,
         )
         return dataclasses.replace(says, **{k: v for k, v in changes.items() if v is not None})
+
+    @property
+    def defines(self) -> dict[str, str | int]:
+        """The defines of a program that bound its iterations."""
+        bounds = {"NEWTON_BOUND": self.newton, "AGM_STEPS": self.agm}
+        return {name: bound for name, bound in bounds.items() if bound is not None}
 
     def flow_in(self, geometry: str) -> Flow:
         """The flow in a geometry."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.errors import ThurstonError
-from thurston_cl.image import Image
+from thurston_cl.image import CHANNELS, EVERY_CHANNEL, Image
 from thurston_cl.method import PRECISIONS, Method
 from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, build_widest
 from thurston_cl.sampling import sample_shifts
@@ -26,7 +26,6 @@ from thurston_cl.scene.picture import View, size_problem, views
 from thurston_cl.scene.plan import Plan, make_plan
 from thurston_cl.scene.texels import images_of
 
-CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
 
 # Pixels on a side of a tile: small enough on a CPU to show progress and stop at once, large enough on a GPU
 # to fill it.
@@ -66,8 +65,9 @@ _PLACES = {
     "steps": (15,),
     "object": (16,),
     "cell": (17,),
+    "error": (18,),
 }
-_TILE_CHANNELS = 18
+_TILE_CHANNELS = 19
 _RECORD_COMPONENTS = 13
 
 
@@ -83,17 +83,20 @@ def render(
     crop: tuple[int, int, int, int] | None = None,
     channels: Collection[str] = ("beauty", "depth", "normal", "steps", "object"),
     method: Method | None = None,
+    accuracy: str | float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Image:
     """Render a scene to an image with the given channels; the arguments replace what the scene says.
 
     size: of the whole picture, both eyes included. crop: (left, top, right, bottom) in pixels of that; the
-    image holds that part. method: precision, flow, threshold and steps in place of the scene's; `precision`
-    alone changes that. finish: "packet", "refill" or "auto". progress: called with (done, total) after every
+    image holds that part. method: precision, flow, threshold and steps in place of the scene's, where
+    neither `precision` nor `accuracy` (a word of `render: {accuracy: ...}`, or an angle in radians) is given,
+    which change only that. finish: "packet", "refill" or "auto". progress: called with (done, total) after every
     tile and sample; what it raises ends the rendering. Channels: beauty (H,W,3) linear Rec.709; depth
     (H,W), arc length, inf where nothing is hit; normal (H,W,3) in the frame at the hit point; steps (H,W);
     object (H,W), 0 for nothing, else the number of the object from 1; cell (H,W), 0 for nothing, else the
-    number of the cell from 1, the camera's own, nearest first.
+    number of the cell from 1, the camera's own, nearest first; error (H,W), an estimate of how far off what
+    is shown may be seen, in radians.
 
     The image's `statistics` count the work, over all samples: `rays` that were marched and their `steps`;
     `shadow_steps` and `reflection_steps` of rays that these called for; `light_solves`, geodesics to lights
@@ -106,20 +109,16 @@ def render(
     chosen = devices.choose(device) if device is None or isinstance(device, str) else device
     if precision is not None:
         _check_name("precision", precision, PRECISIONS)
-    method = Method.of(scene) if method is None else method
-    method = dataclasses.replace(method, precision=precision or method.precision)
+    if method is not None and (precision, accuracy) != (None, None):
+        raise ValueError("a method has its precision and accuracy: give only one of them")
     finish, samples = finish or settings.finish, settings.samples if samples is None else samples
     _check_name("finish", finish, ("auto", "packet", "refill"))
     for channel in channels:
-        _check_name("channel", channel, CHANNELS)
+        _check_name("channel", channel, EVERY_CHANNEL)
     if lanes is not None and lanes not in LANE_WIDTHS:
         raise ValueError(f"{lanes} lanes; expected one of: {', '.join(map(str, LANE_WIDTHS))}")
     if samples < 1 or samples != int(samples):
         raise ValueError(f"{samples} samples; expected a whole number from 1")
-    if method.precision == "double" and not chosen.info.fp64:
-        raise ValueError(
-            f"{chosen.info.name} has no double precision; choose single precision or another device"
-        )
     whole = size or settings.size
     if any(side < 1 or side != int(side) for side in whole):
         raise ValueError(f"size {tuple(whole)}; expected two whole numbers from 1")
@@ -127,7 +126,20 @@ def render(
     if problem := size_problem(scene.camera.projection.kind, layout, whole):
         raise ValueError("; ".join(problem))
     area = _checked_crop(crop, whole)
-    plan = make_plan(scene, device=chosen, size=whole, channels=channels, method=method)
+    plan = make_plan(
+        scene,
+        device=chosen,
+        size=whole,
+        channels=channels,
+        method=method,
+        precision=precision,
+        accuracy=accuracy,
+    )
+    method = plan.method
+    if method.precision == "double" and not chosen.info.fp64:
+        raise ValueError(
+            f"{chosen.info.name} has no double precision; choose single precision or another device"
+        )
     renderer = TileRenderer(plan, chosen, lanes or chosen.info.lane_width(method.precision), finish)
     shifts = sample_shifts(samples, settings.filter, settings.seed)
     seen = [view for view in views(layout, whole, area) if "beauty" in channels or view.all_channels]
@@ -140,9 +152,13 @@ def render(
         )
     if statistics["hits"] == 0:
         warnings.warn("no ray hit anything: is every object out of sight?", stacklevel=2)
+    if plan.choice is not None and not plan.choice.met:
+        warnings.warn(f"the accuracy is not reached: {plan.choice.words}", stacklevel=2)
     statistics |= {
         "seconds": time.perf_counter() - started,
         "device": chosen.info.name,
+        "method": dataclasses.asdict(method),
+        "accuracy": None if plan.choice is None else plan.choice.metadata,
         "precision": method.precision,
         "lanes": renderer.lanes,
         "finish": renderer.finish,
@@ -172,7 +188,7 @@ def _metadata(
     """Everything that it takes to make the picture again."""
     packages = ("thurston_cl", "pyopencl", "numpy", "OpenImageIO")
     settings = {key: statistics[key] for key in ("lanes", "finish", "size", "samples")}
-    settings |= dataclasses.asdict(plan.method)
+    settings |= dataclasses.asdict(plan.method) | {"accuracy": statistics["accuracy"]}
     info = device.info
     return {
         "scene": plan.scene.effective_text(),

@@ -4,6 +4,7 @@ FN motion rate_of(motion m)
   motion r = {m.along, scale_4(m.at, REAL(-CURVATURE))};
   return r;
 }
+FN motion kept(motion m) { return m; }
 FN real turns_between(motion before, motion after) { return REAL(0); }
 
 // A point that may be far off the model, put back on it.

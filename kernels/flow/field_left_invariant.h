@@ -11,6 +11,12 @@ FN motion rate_of(motion m)
   motion r = {velocity(m.at, u), with_w(acceleration(u), REAL(0))};
   return r;
 }
+// Integrators let |u| grow or fall, and time with it: it is put back after each step.
+FN motion kept(motion m)
+{
+  m.along = scale_4(m.along, rsqrt(dot_4(m.along, m.along)));
+  return m;
+}
 FN real turns_between(motion before, motion after) { return REAL(0); }
 FN point reached_by(motion m, real turns, direction *u)
 {

@@ -14,6 +14,7 @@ FN motion rate_of(motion m)
   motion r = {v, bend};
   return r;
 }
+FN motion kept(motion m) { return m; }
 FN real turns_between(motion before, motion after) { return REAL(0); }
 FN point reached_by(motion m, real turns, direction *u)
 {

@@ -6,6 +6,7 @@ FN motion rate_of(motion m)
   motion r = {m.along, over(scale_4(factor(m.at), REAL(-CURVATURE) * l_square), REAL(0))};
   return r;
 }
+FN motion kept(motion m) { return m; }
 FN real turns_between(motion before, motion after) { return REAL(0); }
 
 // A point that may be far off the model, put back on it.

@@ -16,6 +16,12 @@ FN motion rate_of(motion m)
   motion r = {moved, with_w(acceleration(u), REAL(0))};
   return r;
 }
+// Integrators let |u| grow or fall, and time with it: it is put back after each step, as it must have been for the paper's tables A3 and A4.
+FN motion kept(motion m)
+{
+  m.along = scale_4(m.along, rsqrt(dot_4(m.along, m.along)));
+  return m;
+}
 // Whole turns that arg Z has made: it passes the negative numbers upwards or downwards. No step turns it by a half.
 FN real turns_between(motion before, motion after)
 {

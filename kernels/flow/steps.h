@@ -13,7 +13,7 @@ SOLVER void follow(motion *y, real t, real *turns)
   mask possible = steps <= REAL(MOST_FLOW_STEPS);
   for (int done = 0; done < MOST_FLOW_STEPS && ANY(possible & (REAL(done) < steps)); done++) {
     mask moving = possible & (REAL(done) < steps);
-    motion next = step_of(now, h);
+    motion next = kept(step_of(now, h));
     turned += SELECT(moving, turns_between(now, next), REAL(0));
     now = select_motion(moving, next, now);
   }

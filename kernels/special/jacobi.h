@@ -32,13 +32,19 @@
 //   zeta          0 to 1/2    K to 100    2       2
 //   zeta          1/2 to 1    to K        3       3
 //   zeta          1/2 to 1    K to 100    3       3
+// A program may say itself how many steps there are at most.
+#ifndef AGM_STEPS
 #ifdef FP64
 #define AGM_STEPS 9
+#else
+#define AGM_STEPS 7
+#endif
+#endif
+#ifdef FP64
 #define HYPERBOLIC_BELOW 1e-16
 #define SECH_END 709
 #define HALF_PI 1.5707963267948966
 #else
-#define AGM_STEPS 7
 #define HYPERBOLIC_BELOW 1e-8f
 #define SECH_END 88
 #define HALF_PI 1.57079637f

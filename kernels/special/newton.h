@@ -4,12 +4,17 @@
 // where the residual is down to its rounding; the loop ends when no lane is active or at NEWTON_BOUND. Lanes that are then
 // still active have not converged: the caller counts them.
 
-// Iterations in any one solve. The most that tests/test_twisted.py sees is 16.
+// Iterations in any one solve, where the program does not say how many. The most that tests/test_twisted.py sees is 16.
+#ifndef NEWTON_BOUND
 #ifdef FP64
 #define NEWTON_BOUND 64
-#define NEWTON_TOLERANCE 1e-13
 #else
 #define NEWTON_BOUND 40
+#endif
+#endif
+#ifdef FP64
+#define NEWTON_TOLERANCE 1e-13
+#else
 #define NEWTON_TOLERANCE 1e-6f
 #endif
 // A step below NEWTON_TOLERANCE of the unknown is the last: it is still taken, and being quadratic leaves only rounding.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl import device as devices
+from thurston_cl.accuracy.choice import Choice, flow_error, method_of
 from thurston_cl.device import Device
 from thurston_cl.flows import Flow
 from thurston_cl.geometry import for_few_points
@@ -72,6 +73,7 @@ class Plan:
     light_images: int
     sequences: tuple[Named, ...]
     method: Method
+    choice: Choice | None
     asked: Mapping[str, float]
     image_digests: Mapping[str, str]
 
@@ -159,6 +161,7 @@ class Plan:
             f"{settings.filter} filter, seed {settings.seed}",
             "steps": f"at most {self.method.steps} a ray",
             "flow": self.method.flow_in(self.scene.geometry).words,
+            "accuracy": "not asked for: the plain settings" if self.choice is None else self.choice.words,
             "tracer": _tracer_words(self.scene),
         }
 
@@ -170,22 +173,27 @@ def make_plan(
     size: tuple[int, int] | None = None,
     channels: Collection[str] = (),
     method: Method | None = None,
+    precision: str | None = None,
+    accuracy: str | float | None = None,
     switch: bool | None = None,
 ) -> Plan:
     """Decide what a scene needs and write its program.
 
     Places things with the kernels of `device`, in double where it has that, whatever the precision of
-    the picture. `size` and `method` replace the scene's, `channels` are wanted beside those of the
-    scene's outputs. `switch`: see `Writer`; for measurements only. Raises SceneError for what can only
+    the picture. `size` and `method` (or `precision` and `accuracy`, of which the method follows) replace
+    the scene's, `channels` are wanted beside those of the scene's outputs. `switch`: see `Writer`; for measurements only. Raises SceneError for what can only
     be seen here, such as a camera that no group element leads into the cell.
     """
     device = device or devices.choose()
     wanted = {channel for output in scene.outputs for channel in output.channels} | set(channels)
     geometry = for_few_points(scene.geometry, device)
     size = size or scene.render.size
-    method = method or Method.of(scene)
+    choice = None
+    if method is None:
+        method, choice = method_of(scene, device, size=size, precision=precision, accuracy=accuracy)
     numbers = Numbers([method.threshold, _far(scene), pixel_angle(scene.camera, size)])
     detail = None if scene.render.detail is None else numbers.add([scene.render.detail])
+    error = numbers.add([flow_error(scene.geometry, method)]) if "error" in wanted else None
     place = Placement(geometry)
     cells, next_cell = _cells(scene, wanted)
     writer = Writer(scene, geometry, numbers, choose_near_walls(scene), cells, switch)
@@ -195,6 +203,8 @@ def make_plan(
     writer.parts.add(f"march/{tracer}.h")
     if scene.render.start == "block":
         writer.parts.add("block_start.cl")
+    if error is not None:
+        writer.parts.add("error.h")
     object_images = write_objects(writer)
     write_tracer(writer, tracer)
     write_walls(writer)
@@ -213,7 +223,9 @@ def make_plan(
         "scene light": light,
         "scene seen": writer.text(),
     }
-    source = Source(_order(scene.geometry, flow, writer.parts), _defines(writer, detail), generated)
+    source = Source(
+        _order(scene.geometry, flow, writer.parts), method.defines | _defines(writer, detail, error), generated
+    )
     return Plan(
         scene,
         source,
@@ -227,6 +239,7 @@ def make_plan(
         light_images,
         tuple(writer.sequences),
         method,
+        choice,
         writer.asked,
         writer.texels.digests,
     )
@@ -283,11 +296,15 @@ def _cells(scene: schema.Scene, wanted: Collection[str]) -> tuple[NDArray[np.flo
     return cell_table(scene.lattice, CELL_TABLE)
 
 
-def _defines(writer: Writer, detail: int | None) -> dict[str, str | int]:
-    """The defines that effects, a round picture, a lattice and tracers take; `detail` is its place."""
+def _defines(writer: Writer, detail: int | None, error: int | None) -> dict[str, str | int]:
+    """The defines that effects, a round picture, a lattice and tracers take; `detail` and `error` are
+    their places.
+    """
     defines: dict[str, str | int] = {}
     if detail is not None:
         defines["DETAIL"] = detail
+    if error is not None:
+        defines["ERROR_CHANNEL"] = error
     if "march/compound.h" in writer.parts:
         defines["COMPONENTS"] = len(writer.scene.solids)
     if "block_start.cl" in writer.parts:
@@ -340,6 +357,7 @@ def _order(geometry: str, flow: Flow, parts: Collection[str]) -> tuple[str, ...]
         "scene light",
         *after,
         "scene seen",
+        *under("error.h"),
         "render.cl",
         *under("block_start.cl"),
     )

@@ -8,7 +8,11 @@ from pydantic import Field
 from .base import Node, Problem, raised
 from .context import Context
 from .picture import default_size, size_problem
-from .values import AtLeast, Exposure, FlowStep, OutputFile, PixelSize, Positive, Samples, Seed, Steps
+from .values import Accuracy, AtLeast, Exposure, FlowStep, OutputFile, PixelSize, Positive, Samples, Seed, Steps
+
+
+# What an accuracy chooses.
+CHOSEN = ("precision", "flow", "flow-step", "threshold", "steps")
 
 
 class RenderSettings(Node):
@@ -16,9 +20,6 @@ class RenderSettings(Node):
 
     what = "a mapping of render settings"
     example = "render: {size: [960, 540], samples: 4}"
-    hints: ClassVar[Mapping[str, str]] = {
-        "accuracy": "accuracy targets are not available yet; set 'threshold' and 'precision' by hand",
-    }
 
     size: PixelSize = Field(
         default=(960, 540),
@@ -38,6 +39,13 @@ class RenderSettings(Node):
         default=0,
         description="Which rays of a pixel are taken; the same seed gives the same picture. With 0 the first "
         "ray, to which the channels beside the picture belong, goes through the middle.",
+    )
+    accuracy: Accuracy | None = Field(
+        default=None,
+        description="How far off what a pixel shows may be seen, at 99.9 % of the pixels: `half-pixel`, half of "
+        "that as `quarter-pixel`, two pixels as `draft`, an angle, or `reference`, as little as can be. The "
+        "cheapest precision, flow, threshold, steps and iterations are taken that reach it by what was "
+        "measured ([docs/accuracy.md](accuracy.md)). Left out: what the keys below say.",
     )
     precision: Literal["auto", "single", "double"] = Field(
         default="auto", description="Arithmetic of the kernels. `auto` is single."
@@ -102,6 +110,11 @@ class RenderSettings(Node):
             yield Problem(("size",), *problem)
         if self.distance != "auto" and context.geometry is not None and not context.manifold:
             yield Problem(("distance",), f"distance: {self.distance} needs a manifold", "leave it out", True)
+        if self.accuracy is not None:
+            for name in CHOSEN:
+                if name.replace("-", "_") in self.model_fields_set:
+                    message = f"accuracy chooses the {name} itself"
+                    yield Problem((name,), message, "leave one of them out", True)
         if self.flow == "exact" and self.flow_step is not None:
             message = "flow-step is that of an integrator, and the flow is exact"
             yield Problem(("flow-step",), message, "leave it out, or write a flow such as 'flow: rk4'", True)
@@ -109,7 +122,7 @@ class RenderSettings(Node):
             yield Problem(("far",), f"far must be greater than threshold, which is {self.threshold:g}")
 
 
-Channel = Literal["beauty", "depth", "normal", "object", "cell", "steps"]
+Channel = Literal["beauty", "depth", "normal", "object", "cell", "steps", "error"]
 
 
 class Output(Node):
@@ -125,12 +138,13 @@ class Output(Node):
     channels: Annotated[tuple[Channel, ...], AtLeast(1)] = Field(
         default=("beauty",),
         description="What an `.exr` holds: the picture, length of the ray, normal, number of the object, "
-        "number of the cell, steps of the ray.",
+        "number of the cell, steps of the ray, and an estimate of how far off, in radians, what is shown may be "
+        "seen (`error`).",
     )
-    shows: Literal["beauty", "depth", "steps"] = Field(
+    shows: Literal["beauty", "depth", "steps", "error"] = Field(
         default="beauty",
-        description="What a `.png` shows: the picture, or, as a heat map, the length of each ray or the "
-        "number of its steps. White is 0, black is `most` and more, and grays between them are even in sRGB. "
+        description="What a `.png` shows: the picture, or, as a heat map, the length of each ray, the "
+        "number of its steps or the estimate of its error. White is 0, black is `most` and more, and grays between them are even in sRGB. "
         "Of the first ray of a pixel, as in the channels of an `.exr`.",
     )
     most: Positive | None = Field(

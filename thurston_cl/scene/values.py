@@ -146,6 +146,41 @@ Angle = Annotated[
 ]
 
 
+ACCURACIES = ("half-pixel", "quarter-pixel", "draft", "reference")
+
+
+def accuracy(value: object) -> str | float:
+    """A word of `ACCURACIES`, or an angle in radians."""
+    if value in ACCURACIES:
+        return str(value)
+    if isinstance(value, str) and re.match(_ANGLE_PATTERN, value):
+        angle = _angle(value)
+        if not 0 < angle <= math.pi:
+            raise problem("an accuracy is an angle greater than 0 and at most 180 deg")
+        return angle
+    help = "write 'half-pixel', or an angle such as '1e-5 rad'"
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        help = f"an angle needs a unit: write '{value:g} rad', or 'half-pixel'"
+    raise problem(
+        f"expected one of {', '.join(ACCURACIES)}, or an angle, found {shown(value)}", help
+    )
+
+
+# A word, or an angle in radians.
+Accuracy = Annotated[
+    str | float,
+    PlainValidator(accuracy),
+    WithJsonSchema(
+        {
+            "type": "string",
+            "pattern": f"^({'|'.join(ACCURACIES)})$|{_ANGLE_PATTERN}|{PARAM_PATTERN}",
+            "examples": ["half-pixel", "1e-5 rad"],
+        }
+    ),
+    Says("`half-pixel`, `quarter-pixel`, `draft`, `reference` or an angle: `1e-5 rad`"),
+]
+
+
 def _field_of_view(angle: float) -> float:
     if angle <= 0:
         raise problem("a field of view is greater than 0 deg")
