@@ -13,8 +13,6 @@ from thurston_cl.errors import Interrupted
 
 if TYPE_CHECKING:
     from thurston_cl.accuracy.knobs import Row
-    from thurston_cl.device import Device
-    from thurston_cl.scene import Scene
 
 # Pixels of the picture where --size does not say: enough for a share of 0.1 %, and few enough to wait for.
 SIZE = (320, 180)
@@ -22,26 +20,34 @@ SIZE = (320, 180)
 
 def report_scene(
     name: str,
-    scene: Scene,
-    device: Device,
     *,
+    defines: dict[str, str],
+    sets: tuple[str, ...],
+    as_json: bool,
+    as_csv: bool,
+    device: str | None,
+    quiet: bool,
     size: tuple[int, int] | None = None,
-    as_json: bool = False,
-    as_csv: bool = False,
     draw: Callable[[Callable[[str], None]], None] | None = None,
-    quiet: bool = False,
 ) -> None:
-    """Measure a scene and print the table; progress goes to stderr, and what interrupts prints what is
-    finished.
+    """Measure a scene and print the table; progress goes to stderr, and an interrupt prints what is finished.
 
     size: of the picture, None for about `SIZE`. draw: called with what draws the plot into a file, where one
-    is asked for.
+    is asked for. Raises SceneError, NoDeviceError where the device has no double precision.
     """
     from thurston_cl.accuracy import knobs, knobs_table
-    from thurston_cl.scene.picture import fitting_size
+    from thurston_cl.device import choose
+    from thurston_cl.scene import load_scene
+    from thurston_cl.scene.picture import fitting_size, size_problem
 
-    camera = scene.camera
-    size = size or fitting_size(camera.projection.kind, camera.layout, SIZE)
+    scene = load_scene(name, defines=defines, sets=sets)
+    shape = scene.camera.projection.kind, scene.camera.layout
+    if size and (problem := size_problem(*shape, size)):
+        width, height = fitting_size(*shape, size)
+        message = f"--size {size[0]}x{size[1]}: {problem[0]}; for example --size {width}x{height}"
+        raise click.UsageError(message)
+    size = size or fitting_size(*shape, SIZE)
+    chosen = choose(device)
     start = time.perf_counter()
     rows: list[Row] = []
     total, interrupted = 0, False
@@ -53,18 +59,18 @@ def report_scene(
             click.echo(f"{done} of {of}, {time.perf_counter() - start:.0f} s: {coming}", err=True)
 
     try:
-        for row in knobs.measure(scene, device, size, progress):
+        for row in knobs.measure(scene, chosen, size, progress):
             rows.append(row)
     except KeyboardInterrupt:
         interrupted = True
     seconds = time.perf_counter() - start
     if as_json:
-        about = {"scene": name, "size": size, "device": device.info.name, "seconds": seconds}
+        about = {"scene": name, "size": size, "device": chosen.info.name, "seconds": seconds}
         click.echo(knobs_table.as_json(rows, **about, complete=not interrupted))
     elif as_csv:
         click.echo(knobs_table.as_csv(rows), nl=False)
     elif rows:
-        click.echo(knobs_table.text(rows, knobs_table.header(name, size, device.info.name)))
+        click.echo(knobs_table.text(rows, knobs_table.header(name, size, chosen.info.name)))
     if as_csv and rows:
         click.echo(knobs.verdict(rows), err=True)
     sys.stdout.flush()
@@ -75,4 +81,4 @@ def report_scene(
 
         draw(lambda file: plot(rows, file, f"{name}, {size[0]}x{size[1]}"))
     if not quiet:
-        click.echo(f"measured {len(rows)} methods in {seconds:.0f} s on {device.info.name}", err=True)
+        click.echo(f"measured {len(rows)} methods in {seconds:.0f} s on {chosen.info.name}", err=True)
