@@ -104,8 +104,8 @@ def probes(geometry: str) -> list[Scene]:
 def candidates(geometry: str) -> Iterator[tuple[str, dict[str, Any], Method]]:
     """The rows to measure: their table, their settings, and a method that is exact but for those."""
     for precision, flow, step in FLOWS:
-        settings = {"precision": precision, "flow": flow, "step": step}
-        yield "flows", settings, Method(**settings, threshold=TIGHT[precision], steps=5000)
+        method = Method(precision, flow, step, threshold=TIGHT[precision], steps=5000)
+        yield "flows", {"precision": precision, "flow": flow, "step": step}, method
     for precision in ("single", "double"):
         for threshold in THRESHOLDS:
             # Nearer than that rounding never lets a ray come to a surface.
@@ -205,7 +205,8 @@ def measure(geometry: str, device: Device) -> dict[str, Any]:
 
 def solves(geometry: str, device: Device) -> Iterator[dict[str, Any]]:
     """The rows of Newton's method: it finds the geodesics to lights and the distances to balls, three of
-    them to each of many points. A row reaches the angle within which all but `ALLOWED` of their directions are.
+    them to each of many points. A row reaches the angle within which all but `ALLOWED` of their
+    directions are.
     """
     rng = np.random.default_rng(5)
     ways = rng.normal(size=(RAYS, 3))

@@ -128,15 +128,17 @@ def _parse_accuracy(ctx: click.Context, param: click.Parameter, text: str | None
 
 
 def accuracy_option(function: Command) -> Command:
-    """How exact a picture is to be: the argument `accuracy`, a word or an angle in radians, None where not given."""
+    """How exact a picture is to be: the argument `accuracy`, a word or an angle in radians, None where
+    not given.
+    """
     return click.option(
         "--accuracy",
         metavar="WORD|ANGLE",
         callback=_parse_accuracy,
         cls=Option,
         group=RENDERING,
-        help="Take the cheapest method that shows 99.9 % of the pixels that exactly: half-pixel, quarter-pixel, "
-        "draft, reference, or an angle such as '1e-5 rad'. [default: of the scene]",
+        help="Take the cheapest method that shows 99.9 % of the pixels that exactly: half-pixel, "
+        "quarter-pixel, draft, reference, or an angle such as '1e-5 rad'. [default: of the scene]",
     )(function)
 
 

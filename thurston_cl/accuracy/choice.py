@@ -81,8 +81,8 @@ def method_of(
 ) -> tuple[Method, Choice | None]:
     """How a scene is worked out on a device, and where an accuracy was asked for how that was chosen.
 
-    size, accuracy: in place of the scene's; `accuracy` also in place of what else its settings say. precision:
-    the only one that may be used.
+    size, accuracy: in place of the scene's; `accuracy` also in place of what else its settings say.
+    precision: the only one that may be used.
     """
     asked = scene.render.accuracy if accuracy is None else accuracy
     if asked is None:
@@ -152,7 +152,7 @@ def _of_precision(geometry: str, named: str, target: float, precision: str) -> C
     """The cheapest settings of one precision that reach the target each, or those that come nearest to it."""
     settings: dict[str, Any] = {}
     cost, estimated = 1.0, 0.0
-    for knob, rows in measured(geometry).items():
+    for rows in measured(geometry).values():
         fitting = [row for row in rows if row.settings.get("precision", precision) == precision]
         if not fitting:
             continue
