@@ -175,7 +175,7 @@ class Rays:
         """March the rays of places; threshold and steps in place of the method's."""
         near = self.method.threshold if threshold is None else threshold
         most = self.method.steps if steps is None else steps
-        out = self._run("verify_trace", places, [], 13, most, threshold=near)
+        out = self._run("verify_trace", places, [], 12 + self._estimates, most, threshold=near)
         marched = out[:, 2] >= 0
         lost = ~np.isfinite(out[:, 0])
         return Ends(
