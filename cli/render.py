@@ -9,14 +9,14 @@ import os
 import sys
 import time
 import warnings
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from thurston_cl.errors import Interrupted
+from thurston_cl.errors import Interrupted, NoDeviceError
 
 from .options import (
     DEVICE,
@@ -34,7 +34,9 @@ from .options import (
 )
 
 if TYPE_CHECKING:
+    from thurston_cl.device import Device
     from thurston_cl.image import Image
+    from thurston_cl.method import Method
     from thurston_cl.scene import Scene
 
 # The formats, channels and views of image.py, written out: --help must not wait for OpenImageIO.
@@ -44,6 +46,9 @@ EVERY_CHANNEL = ("beauty", "depth", "normal", "steps", "error", "object", "cell"
 HEAT_CHANNELS = ("depth", "steps", "error")
 VIEWS = ("none", "filmic", "aces")
 EXPOSURE_LIMIT = 32.0
+# Pixels that --verify and --verify-mp take, at most: more are no sample any more, or take hours.
+MOST_VERIFIED = 1_000_000
+MOST_VERIFIED_MP = 1000
 
 
 @dataclass(frozen=True)
@@ -210,6 +215,23 @@ def _check_most(ctx: click.Context, param: click.Parameter, most: float | None) 
     help="What lanes do whose rays end early: wait, or take new rays. [default: what the scene says]",
 )
 @click.option(
+    "--verify",
+    type=click.IntRange(1, MOST_VERIFIED),
+    metavar="N",
+    cls=Option,
+    group=OTHER,
+    help="Trace N random pixels again in double, and the N with the largest estimated error, and tell how "
+    "wrong they are.",
+)
+@click.option(
+    "--verify-mp",
+    type=click.IntRange(1, MOST_VERIFIED_MP),
+    metavar="N",
+    cls=Option,
+    group=OTHER,
+    help="The same of N random pixels, in 30 digits by mpmath. Slow: up to some seconds for each.",
+)
+@click.option(
     "--json", "as_json", is_flag=True, cls=Option, group=OTHER, help="Print statistics as JSON on stdout."
 )
 @click.option("--quiet", is_flag=True, cls=Option, group=OTHER, help="Show warnings and errors only.")
@@ -232,6 +254,8 @@ def command(
     accuracy: str | float | None,
     lanes: int | None,
     finish: str | None,
+    verify: int | None,
+    verify_mp: int | None,
     as_json: bool,
     quiet: bool,
 ) -> None:
@@ -246,6 +270,7 @@ def command(
     """
     from thurston_cl.device import choose
     from thurston_cl.image import check_output
+    from thurston_cl.method import Method
     from thurston_cl.rendering import render
     from thurston_cl.scene import load_scene
 
@@ -261,6 +286,8 @@ def command(
         check_precision(chosen, precision or loaded.render.precision)
     elif precision is not None:
         check_precision(chosen, precision)
+    if verify or verify_mp:
+        _check_truth(chosen)
 
     start = time.perf_counter()
     written: list[str] = []
@@ -283,9 +310,15 @@ def command(
             film = target.film
             image.save(target.file, target.channels, force, film.exposure, film.view, film.most)
             written.append(target.file)
+        seconds = time.perf_counter() - start
+        checked = _Checked()
+        if verify or verify_mp:
+            method = Method(**image.statistics["method"])
+            picture = _Picture(loaded, method, chosen, size, samples, crop)
+            checked = _verify(picture, verify, verify_mp)
     except KeyboardInterrupt:
         raise Interrupted(f"only {', '.join(written)} written" if written else "nothing written") from None
-    _report(image, targets, time.perf_counter() - start, noted, as_json=as_json, quiet=quiet)
+    _report(image, targets, checked, seconds, noted, as_json=as_json, quiet=quiet)
 
 
 def _film(
@@ -363,6 +396,57 @@ def _check_crop(crop: tuple[int, int, int, int], size: tuple[int, int]) -> None:
         )
 
 
+@dataclass(frozen=True)
+class _Picture:
+    """What was rendered, as thurston_cl.accuracy asks for it."""
+
+    scene: Scene
+    method: Method
+    device: Device
+    size: tuple[int, int] | None
+    samples: int | None
+    area: tuple[int, int, int, int] | None
+
+    def ask(self, check: Callable[..., Any], count: int) -> Any:
+        return check(self.scene, count, self.method, self.device, self.size, self.samples, self.area)
+
+
+@dataclass(frozen=True)
+class _Checked:
+    """What a verification has found: lines for people, and entries of --json."""
+
+    lines: tuple[str, ...] = ()
+    entries: dict[str, Any] = field(default_factory=dict)
+
+
+def _check_truth(device: Device) -> None:
+    if not device.info.fp64:
+        raise NoDeviceError(
+            f"{device.info.name} ({device.info.id}) has no double precision, which --verify and --verify-mp "
+            "need; leave them out, or use a --device that 'thurston devices' lists with fp64"
+        )
+
+
+def _verify(picture: _Picture, count: int | None, count_mp: int | None) -> _Checked:
+    """Do what --verify and --verify-mp ask for."""
+    checked = _Checked()
+    if count:
+        from thurston_cl.accuracy.verify import verify
+
+        found = picture.ask(verify, count)
+        lines = (
+            f"verified in double precision, {found.seconds:.1f} s",
+            *(f"  {line}" for line in found.words),
+        )
+        checked = _Checked(lines, {"verify": found.report})
+    if count_mp:
+        from thurston_cl.accuracy.verify_mp import check
+
+        exactly = picture.ask(check, count_mp)
+        checked = _Checked((*checked.lines, exactly.words), checked.entries | {"verify_mp": exactly.report})
+    return checked
+
+
 class _Progress(contextlib.AbstractContextManager["_Progress"]):
     """Called with (done, total), draws a bar with the remaining time on stderr, if `shown`."""
 
@@ -402,7 +486,14 @@ def _warnings_noted() -> Iterator[list[str]]:
 
 
 def _report(
-    image: Image, targets: Sequence[_Target], seconds: float, noted: list[str], *, as_json: bool, quiet: bool
+    image: Image,
+    targets: Sequence[_Target],
+    checked: _Checked,
+    seconds: float,
+    noted: list[str],
+    *,
+    as_json: bool,
+    quiet: bool,
 ) -> None:
     """Say on stderr what was made, and on stdout, if asked, all that is known of it."""
     statistics = image.statistics
@@ -416,13 +507,21 @@ def _report(
         )
         how = f"{statistics['precision']} precision on {statistics['device']}"
         click.echo(f"wrote {names}: {image.width}x{image.height} in {seconds:.1f} s, {how}", err=True)
+        for line in checked.lines:
+            click.echo(line, err=True)
     if as_json:
         outputs = [
             {"file": target.file, "channels": target.channels or tuple(image.channels)}
             | (target.film.words(image) if _is_png(target.file) else {})
             for target in targets
         ]
-        answer = {**statistics, "total_seconds": seconds, "outputs": outputs, "warnings": noted}
+        answer = {
+            **statistics,
+            **checked.entries,
+            "total_seconds": seconds,
+            "outputs": outputs,
+            "warnings": noted,
+        }
         click.echo(json.dumps(_plain(answer), indent=2, allow_nan=False))
 
 

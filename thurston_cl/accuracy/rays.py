@@ -5,7 +5,7 @@ method's point is from the exact geodesic (kernels/verify).
 """
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -71,7 +71,8 @@ class Places:
 class Ends:
     """What rays come to: their length (N,), NaN where they are lost; steps (N,); whether they are `marched`,
     which they are not outside a round picture, `hit`, or ran `out_of_steps` (N,); point and velocity (N,4)
-    there; and the number of the object that they show (N,), 0 for the background.
+    there; the number of the object that they show (N,), 0 for the background; and, where the rays were made
+    to tell, an estimate of their angle error (N,) in radians, without what is alike for all: else 0.
     """
 
     length: Array
@@ -82,6 +83,7 @@ class Ends:
     point: Array
     velocity: Array
     object: NDArray[np.intp]
+    estimate: Array
 
     def __getitem__(self, which: Which) -> "Ends":
         return Ends(*_of_each(self, which))
@@ -115,7 +117,8 @@ class Rays:
     """Marches the rays of single places by a method, as the picture of the scene has them.
 
     size: of the whole picture; the scene's where it is None. lanes: width of the kernels, None for what suits
-    the device. Raises SceneError as rendering does, ValueError where the device has no double precision.
+    the device. estimate: whether rays tell how large their error may be. Raises SceneError as rendering does,
+    ValueError where the device has no double precision.
     """
 
     _parts: tuple[str, ...] = ("verify/trace.cl",)
@@ -127,6 +130,7 @@ class Rays:
         device: Device,
         size: Size | None = None,
         lanes: int | None = None,
+        estimate: bool = False,
     ) -> None:
         import pyopencl as cl
 
@@ -135,9 +139,15 @@ class Rays:
         self.device = device
         self.size = size or scene.render.size
         plan = make_plan(scene, device=device, size=self.size, method=method)
-        width = lanes or min(MOST_LANES, device.info.lane_width(method.precision))
-        self._program = ArrayProgram(_of_rays(plan.source, self._parts), method.precision, device, width)
         self._eyes = plan.eyes
+        self._estimates = estimate
+        defines = {"VERIFY_ESTIMATE": 1, "ERROR_CHANNEL": len(plan.numbers)} if estimate else {}
+        if estimate:
+            # What is alike for all rays.
+            self._eyes = tuple(np.append(numbers, 0.0) for numbers in plan.eyes)
+        width = lanes or min(MOST_LANES, device.info.lane_width(method.precision))
+        source = _of_rays(plan.source, self._parts, defines)
+        self._program = ArrayProgram(source, method.precision, device, width)
         dtype = self._program.dtype
         flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
         tables = (plan.next_cell, plan.seen_from.astype(dtype), plan.texels.astype(dtype))
@@ -151,7 +161,7 @@ class Rays:
         return self._program.seconds
 
     def threshold_at(self, length: Array, threshold: float | None = None) -> Array:
-        """How near counts as a hit (N,), after lengths (N,) of the way; threshold in place of the method's."""
+        """How near counts as a hit (N,) after lengths (N,) of the way; threshold: not the method's."""
         near = self.method.threshold if threshold is None else threshold
         angle = pixel_angle(self.scene.camera, self.size)
         return np.maximum(near, (self.scene.render.detail or 0.0) * angle * length)
@@ -165,7 +175,7 @@ class Rays:
         """March the rays of places; threshold and steps in place of the method's."""
         near = self.method.threshold if threshold is None else threshold
         most = self.method.steps if steps is None else steps
-        out = self._run("verify_trace", places, [], 12, most, threshold=near)
+        out = self._run("verify_trace", places, [], 13, most, threshold=near)
         marched = out[:, 2] >= 0
         lost = ~np.isfinite(out[:, 0])
         return Ends(
@@ -177,6 +187,7 @@ class Rays:
             out[:, 3:7],
             out[:, 7:11],
             np.where(lost, 0, out[:, 11]).astype(np.intp),
+            out[:, 12] if self._estimates else np.zeros(len(places)),
         )
 
     def _run(
@@ -256,7 +267,8 @@ def _of_each(arrays: Places | Ends | Offsets, which: Which) -> Iterator[NDArray[
     return (getattr(arrays, field.name)[which] for field in dataclasses.fields(arrays))
 
 
-def _of_rays(source: Source, parts: tuple[str, ...]) -> Source:
+def _of_rays(source: Source, parts: tuple[str, ...], defines: Mapping[str, int]) -> Source:
     """The program of a plan up to where rays end, without their light, and with other entry points."""
     before = source.parts[: source.parts.index("scene objects") + 1]
-    return Source((*before, "arrays.h", *parts), source.defines, source.generated)
+    more = ("error.h", "arrays.h") if "VERIFY_ESTIMATE" in defines else ("arrays.h",)
+    return Source((*before, *more, *parts), {**source.defines, **defines}, source.generated)

@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl.accuracy.pictures import Errors, all_places, compare, worst
-from thurston_cl.accuracy.rays import Array, Ends, ExactRays, Places, Rays
+from thurston_cl.accuracy.rays import Array, ExactRays, Places, Rays
 from thurston_cl.device import Device
-from thurston_cl.geometry import for_few_points
 from thurston_cl.method import Method
-from thurston_cl.models import ISOTROPIC, PRODUCTS
 from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
 from thurston_cl.scene.picture import Area, Size
@@ -22,8 +20,6 @@ SEED = 1
 NAMED = 5
 # Pixels among which those with the largest estimate are looked for, at most: all of an ordinary picture.
 MOST_CANDIDATES = 1 << 20
-# The spacing of numbers about 1 in each arithmetic.
-ROUNDING = {"single": float(np.finfo(np.float32).eps), "double": float(np.finfo(np.float64).eps)}
 
 
 @dataclass(frozen=True)
@@ -89,19 +85,18 @@ def verify(
     `thurston_cl.accuracy.pictures.errors`.
     """
     started = time.perf_counter()
-    settings = scene.render
     exact = ExactRays(scene, device, size)
-    rays = Rays(scene, method, device, size)
-    random = np.random.default_rng(seed)
-    shifts = sample_shifts(settings.samples if samples is None else samples, settings.filter, settings.seed)
-    pixels = all_places(scene, size, shifts[0], area)
-    drawn = pixels[np.sort(random.choice(len(pixels), min(count, len(pixels)), replace=False))]
-    drawn = Places(drawn.eye, drawn.pixel, shifts[random.integers(len(shifts), size=len(drawn))])
+    rays = Rays(scene, method, device, size, estimate=True)
+    drawn = random_places(scene, count, size, samples, area, seed)
+    pixels = all_places(scene, size, _shifts(scene, samples)[0], area)
     candidates = pixels
     if len(pixels) > MOST_CANDIDATES:
+        random = np.random.default_rng(seed)
         candidates = pixels[np.sort(random.choice(len(pixels), MOST_CANDIDATES, replace=False))]
     ends = rays.trace(candidates)
-    largest = np.argsort(-estimate(rays, ends), kind="stable")[: min(count, len(candidates))]
+    # Rays that came to no end may be anywhere.
+    estimate = np.where(ends.lost | ends.out_of_steps, np.inf, ends.estimate)
+    largest = np.argsort(-estimate, kind="stable")[: min(count, len(candidates))]
     return Verification(
         compare(rays, exact, drawn, rays.trace(drawn)),
         compare(rays, exact, candidates[largest], ends[largest]),
@@ -110,42 +105,34 @@ def verify(
     )
 
 
-def estimate(rays: Rays, ends: Ends) -> Array:
-    """About how large the angle errors (N,) of rays are, in radians: what they come to is off by up to the
-    threshold and by rounding, which is seen from the eye under the angle that this makes over the root of the
-    area density (paper 5.7). Infinite for rays that are lost or out of steps, 0 for those that hit nothing.
-    """
-    found = np.where(ends.lost | ends.out_of_steps, np.inf, 0.0)
-    hit = ends.hit
-    if hit.any():
-        length, point = ends.length[hit], ends.point[hit]
-        rounding = ROUNDING[rays.method.precision] * (1 + np.abs(point).max(axis=1))
-        geometry = for_few_points(rays.scene.geometry, rays.device)
-        back = _direction_back(rays.scene.geometry, ends.velocity[hit])
-        with np.errstate(divide="ignore"):
-            spread = np.sqrt(np.abs(geometry.area_density(back, length)))
-            found[hit] = (rays.threshold_at(length) + rounding * (1 + length)) / spread
-    return found
+def random_places(
+    scene: schema.Scene,
+    count: int,
+    size: Size | None = None,
+    samples: int | None = None,
+    area: Area | None = None,
+    seed: int = SEED,
+) -> Places:
+    """`count` pixels of a picture drawn by chance, none twice, each at one of its samples; as `verify`."""
+    random = np.random.default_rng(seed)
+    pixels = all_places(scene, size, area=area)
+    drawn = pixels[random.permutation(len(pixels))[:count]]
+    shifts = _shifts(scene, samples)
+    return Places(drawn.eye, drawn.pixel, shifts[random.integers(len(shifts), size=len(drawn))])
 
 
-def _direction_back(geometry: str, velocity: Array) -> Array:
-    """Unit directions (N,3) from which geodesics spread as those do that arrive with a velocity (N,4): the
-    area density is the same both ways, and depends on the component along the line, or on none.
-    """
-    if geometry in ISOTROPIC:
-        return np.broadcast_to([0.0, 0.0, 1.0], (len(velocity), 3))
-    if geometry in PRODUCTS:
-        along = np.clip(velocity[:, 3], -1, 1)
-        return np.stack([np.sqrt(1 - along**2), np.zeros_like(along), along], axis=1)
-    back = -velocity[:, :3]
-    return back / np.linalg.norm(back, axis=1, keepdims=True)
+def _shifts(scene: schema.Scene, samples: int | None) -> Array:
+    settings = scene.render
+    return sample_shifts(settings.samples if samples is None else samples, settings.filter, settings.seed)
 
 
 def _in_words(which: str, errors: Errors) -> str:
     summary = errors.summary
+    count = summary["n"]
+    over, other = (round(summary[key] * count) for key in ("over_half_pixel", "ids_differ"))
     text = (
-        f"{which}: {1 - summary['over_half_pixel']:.2%} within half a pixel, "
-        f"{round(summary['ids_differ'] * summary['n'])} show another object"
+        f"{which}: {count - over} of {count} within half a pixel ({1 - summary['over_half_pixel']:.2%}), "
+        f"{other} show another object"
     )
     pixels, angle = summary["angle_pixels"], summary["angle"]
     if pixels is None or angle is None:

@@ -18,17 +18,25 @@ import numpy as np
 from mpmath import mp
 
 from thurston_cl.accuracy.pixel import half_pixels
+from thurston_cl.accuracy.rays import ExactRays, Places, Rays
 from thurston_cl.accuracy.truth import displacement, flow
+from thurston_cl.accuracy.verify import SEED, random_places
 from thurston_cl.lattice.isometry import act, on_model
 
 if TYPE_CHECKING:
-    from thurston_cl.accuracy.rays import Array, Places, Rays
+    from thurston_cl.accuracy.rays import Array
+    from thurston_cl.device import Device
     from thurston_cl.lattice import Lattice
+    from thurston_cl.method import Method
+    from thurston_cl.scene.picture import Area, Size
+    from thurston_cl.scene.schema import Scene
 
 DIGITS = 30
 # How far beside a geodesic, as a turn of its direction and as a length, its neighbors are: first order is
 # then exact to so much of itself, and differences have the other half of the digits.
 ASIDE = mp.mpf(10) ** -12
+# So many times the pixels that are asked for are drawn: some show no object.
+DRAWN = 20
 # Walls that a point is led back over, at most.
 MOST_WALLS = 10000
 
@@ -77,16 +85,30 @@ class Checked:
         }
 
 
-def check(rays: Rays, start: Rays, places: Places, count: int) -> Checked:
-    """Check the first `count` of places whose rays hit something. `start`: rays in double, which tell where
-    they begin.
+def check(
+    scene: Scene,
+    count: int,
+    method: Method,
+    device: Device,
+    size: Size | None = None,
+    samples: int | None = None,
+    area: Area | None = None,
+    seed: int = SEED,
+) -> Checked:
+    """Check up to `count` pixels of a picture, drawn by chance among those that show an object; the arguments
+    are those of `thurston_cl.accuracy.verify.verify`.
+
+    Raises as that does: directions at the eye are worked out in double by the device.
     """
     began = time.perf_counter()
+    exact = ExactRays(scene, device, size)
+    rays = Rays(scene, method, device, size)
+    places = random_places(scene, DRAWN * count, size, samples, area, seed)
     ends = rays.trace(places)
     chosen = np.flatnonzero(ends.object > 0)[:count]
     places, ends = places[chosen], ends[chosen]
-    eyes, directions = start.starts(places)
-    geometry, lattice = rays.scene.geometry, rays.scene.lattice
+    eyes, directions = exact.starts(places)
+    geometry, lattice = scene.geometry, scene.lattice
     angle = np.array(
         [
             angle_error(geometry, lattice, eye, direction, length, point)
@@ -95,7 +117,7 @@ def check(rays: Rays, start: Rays, places: Places, count: int) -> Checked:
             )
         ]
     )
-    pixels = angle / (2 * half_pixels(rays.scene.camera, rays.size, *places.xy.T))
+    pixels = angle / (2 * half_pixels(scene.camera, rays.size, *places.xy.T))
     return Checked(places, angle, pixels, time.perf_counter() - began)
 
 
