@@ -17,6 +17,7 @@ from click.testing import CliRunner, Result
 from thurston_cl import device
 from thurston_cl.accuracy import directions, plot, protocol
 from thurston_cl.cli import accuracy as module
+from thurston_cl.cli import accuracy_scene
 from thurston_cl.cli.main import main
 from thurston_cl.models import GEOMETRIES
 
@@ -90,10 +91,10 @@ def test_options(fake: FakeMeasure) -> None:
         (["--geometry", "e4"], "'e4' is not one of 'e3', 's3'"),
         (["--plot", "a.jpg"], "'a.jpg' does not end in .png, .svg, .pdf"),
         (["--json", "--csv"], "--json and --csv are two ways to print the same: leave out one"),
-        (["--set", "render.samples=4"], "--set and -D change a scene: name one"),
-        (["-D", "r=4"], "--set and -D change a scene: name one"),
+        (["--set", "render.samples=4"], "--set is for a scene: name one"),
+        (["-D", "r=4"], "-D is for a scene: name one"),
+        (["--size", "32x18"], "--size is for a scene: name one"),
         (["some.yaml", "--times", "6"], "--times is for flows without a scene: leave out it or some.yaml"),
-        (["some.yaml", "--plot", "a.png"], "--plot is for flows without a scene: leave out it or some.yaml"),
     ],
 )
 def test_wrong_usage(fake: FakeMeasure, arguments: list[str], message: str) -> None:
@@ -170,4 +171,31 @@ def test_what_is_missing_is_said_before_the_work(
     single = run()
     assert single.exit_code == 69
     assert "Toaster (0:0) has no double precision, which errors are measured against" in single.stderr
+    assert fake.calls == []
+
+
+def test_a_scene_is_reported_on_with_what_is_said_of_it(
+    fake: FakeMeasure, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[tuple[str, dict[str, Any]]] = []
+    monkeypatch.setattr(accuracy_scene, "report_scene", lambda name, **said: calls.append((name, said)))
+    file = tmp_path / "a.png"
+    result = run("some.yaml", "--size", "32x18", "-D", "r=1", "--json", "-q", "--plot", str(file))
+    assert result.exit_code == 0, result.stderr
+    ((name, said),) = calls
+    draw = said.pop("draw")
+    assert name == "some.yaml"
+    assert said == {
+        "defines": {"r": "1"},
+        "sets": (),
+        "as_json": True,
+        "as_csv": False,
+        "device": None,
+        "quiet": True,
+        "size": (32, 18),
+    }
+    draw(lambda part: Path(part).write_bytes(b"drawn"))
+    assert file.read_bytes() == b"drawn"
+    run("some.yaml")
+    assert calls[1][1]["draw"] is None
     assert fake.calls == []
