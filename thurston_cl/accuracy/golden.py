@@ -27,7 +27,7 @@ TIMES = (6.0, 10.0)
 SETS = ("uniform", "adversarial")
 # Directions of each set that are stored, and that are computed where none are.
 STORED = 48
-LIVE = 8
+LIVE = 4
 # None are computed for longer times: minutes, with all the digits that these need.
 LONGEST = 20.0
 # So many are stored of a point: differences of 1e-16 of it have 9 of them, or 5 where e^t cancels.
