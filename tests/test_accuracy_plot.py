@@ -39,7 +39,8 @@ def test_each_row_of_the_longest_time_has_its_place() -> None:
         assert marks(axes, "*", 15) == [(1.0, 1e-5, False), (2.0, 1e-13, True)]
         assert marks(axes, "D", 8) == [(4.0, 1e-3, False)]
         assert marks(axes, "D", 4) == [(4.0, 1e-14, False)]  # its mean
-        assert marks(axes, "x", 14) == []
+        assert [error for _, error, _ in marks(axes, "_", 9)] == [9e-6, 1e-13, 5.0, 1e-3]
+        assert marks(axes, "x", 11) == []
         dashed = [
             line
             for line in axes.lines
@@ -61,7 +62,8 @@ def test_errors_of_0_stand_below_all_others_and_flaws_are_crossed_out() -> None:
     ((_, zero, _),) = marks(axes, "*", 15)
     assert 0 < zero < 1e-14
     assert "0" in [note.get_text() for note in axes.texts]
-    assert marks(axes, "x", 14)[0][:2] == (2.0, 1e-4)
+    assert marks(axes, "x", 11)[0][:2] == (2.0, 1e-4)
+    assert len(marks(axes, "_", 9)) == 1
 
 
 def test_files(tmp_path: Path) -> None:

@@ -96,6 +96,9 @@ def test_the_verdict_does_not_flatter() -> None:
     )
     many = [dataclasses.replace(rk4, step=step, seconds=step * 1e-3) for step in (0.1, 0.2, 0.3, 0.4)]
     assert verdict([double, *many])[0].endswith("4 faster: single rk4 0.1, single rk4 0.2, and 2 others")
+    unknown = row(truth="none", count=0, angle_max=NAN, angle_quantile=NAN)
+    assert verdict([unknown, rk4])[0] == "double exact: not measured, for want of a truth beyond t = 20"
+    assert text([unknown]).splitlines()[2].endswith("[no truth]")
     # Within half a pixel in most directions only does not do.
     assert verdict([dataclasses.replace(double, angle_quantile=5.0)])[1:] == [
         f"cheapest within half a pixel of {width} in 99.9% of directions: none" for width in (1000, 5000)

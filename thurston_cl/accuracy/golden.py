@@ -3,7 +3,7 @@
 Double exact flows are the truth that other methods are measured against. They themselves are measured here,
 in a sample of the directions. For the times of the tables the values are stored beside this file, and
     python -m thurston_cl.accuracy.golden
-computes them anew, in five minutes; for other times fewer directions are computed on the spot.
+computes them anew, in ten minutes; for other times fewer directions are computed on the spot.
 """
 
 import json
@@ -27,22 +27,23 @@ TIMES = (6.0, 10.0)
 SETS = ("uniform", "adversarial")
 # Directions of each set that are stored, and that are computed where none are.
 STORED = 48
-LIVE = 8
+LIVE = 4
 # None are computed for longer times: minutes, with all the digits that these need.
 LONGEST = 20.0
 # So many are stored of a point: differences of 1e-16 of it have 9 of them, or 5 where e^t cancels.
-DIGITS = 30
 STORED_DIGITS = 25
-RESPONSE_DIGITS = 5
-# The response is a difference quotient over this much.
-CHANGE = "1e-14"
+RESPONSE_DIGITS = 15
+# The response is a difference quotient over this much, which is little even beside the 1e-16 that a rounded
+# direction leaves of a distance from a caustic; and its points have digits for that.
+CHANGE = "1e-25"
+DIGITS = 50
 
 
 @dataclass(frozen=True)
 class Golden:
     """Points (N) of 4 numbers (mpf or strings) that flows along `directions` by `time` lead to.
 
-    responses: matrices (N,3,3) from a small displacement of the point to the change of direction, across it,
+    responses: matrices (N,2,3) from a small displacement of the point to the change of direction, across it,
     that causes it: the angle error is the length of that, as far as it is small.
     """
 
@@ -90,18 +91,23 @@ def _ray(geometry: str, u: list[float], time: float) -> tuple[list[Any], Array]:
     point, _ = flow(geometry, u, time, digits=DIGITS)
     columns = []
     for axis in range(3):
-        with mp.workdps(DIGITS + 30):
+        with mp.workdps(DIGITS):
             moved = [mp.mpf(part) + (i == axis) * mp.mpf(CHANGE) for i, part in enumerate(u)]
         end, _ = flow(geometry, moved, time, digits=DIGITS)
         off = displacement(geometry, point, end, DIGITS)
-        columns.append([float(part / mp.mpf(CHANGE)) for part in off])
-    return point, _response(np.array(columns).T, np.array(u))
+        columns.append([part / mp.mpf(CHANGE) for part in off])
+    return point, _response(columns, u)
 
 
-def _response(jacobian: Array, u: Array) -> Array:
+def _response(columns: list[list[Any]], u: list[float]) -> Array:
     """From displacements to changes of velocity, of which the part across u is the change of direction."""
-    across = np.eye(3) - np.outer(u, u) / (u @ u)
-    return across @ np.linalg.pinv(jacobian, rcond=0)
+    # A basis across u: its first vector is level, and e_x where u is vertical.
+    level = np.array([-u[1], u[0], 0.0]) if u[0] or u[1] else np.array([1.0, 0.0, 0.0])
+    level /= np.linalg.norm(level)
+    across = np.stack([level, np.cross(u, level)])
+    with mp.workdps(DIGITS):
+        inverse = mp.matrix(columns).T ** -1
+    return across @ np.array(inverse.tolist(), float)
 
 
 def _file(geometry: str) -> Any:

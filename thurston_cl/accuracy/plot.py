@@ -110,6 +110,8 @@ def _panel(axes: Any, rows: list[Row], zero: float | None) -> None:
             va="bottom" if width == min(HALF_PIXELS) else "top",
             fontsize=8,
             color=LIMIT_COLOR,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6},
+            zorder=1.5,
         )
     if zero is not None:
         axes.axhline(zero, color="#888888", linewidth=0.8, zorder=1)
@@ -153,7 +155,9 @@ def _panel(axes: Any, rows: list[Row], zero: float | None) -> None:
 
 
 def _mark(axes: Any, row: Row, zero: float | None) -> None:
-    """The largest error, with the mean below it and fainter, and a cross where directions are off or lost."""
+    """The largest error, with the mean below it and fainter; a bar where most directions end, and a cross
+    where too many are off or lost.
+    """
     color, marker = STYLES[row.flow]
     x, top, mean = row.seconds * 1e3, _place(row.angle_max, zero), _place(row.angle_mean, zero)
     size = 15 if marker == "*" else 8
@@ -179,8 +183,11 @@ def _mark(axes: Any, row: Row, zero: float | None) -> None:
         markeredgewidth=1.4,
         zorder=5,
     )
-    if not usable(row):
-        axes.plot(x, top, "x", markersize=14, markeredgecolor=LIMIT_COLOR, markeredgewidth=1.2, zorder=6)
+    if usable(row):
+        most = _place(row.angle_quantile, zero)
+        axes.plot(x, most, "_", markersize=9, markeredgecolor=color, markeredgewidth=1.4, zorder=4)
+    else:
+        axes.plot(x, top, "x", markersize=11, markeredgecolor=LIMIT_COLOR, markeredgewidth=1.1, zorder=6)
 
 
 def _place(error: float, zero: float | None) -> float:
@@ -212,8 +219,9 @@ def _legend(axes: Any, rows: Sequence[Row]) -> None:
     handles += [
         entry("double precision", "o", gray, markerfacecolor=gray),
         entry("single precision", "o", gray, markerfacecolor="white", markeredgewidth=1.4),
+        entry(f"{QUANTILE:.1%} of directions", "_", gray, markersize=11, markeredgewidth=1.4),
         entry("mean; the others are maxima", "o", gray, markerfacecolor=gray, markersize=4.5, alpha=FAINT),
-        entry(f"over {1 - QUANTILE:.1%} of directions off or lost", "x", LIMIT_COLOR, markersize=12),
+        entry(f"over {1 - QUANTILE:.1%} of directions off or lost", "x", LIMIT_COLOR, markersize=11),
         Line2D([], [], color="#bdbdbd", linewidth=6, alpha=0.55, label="Pareto front of the maxima"),
         Line2D([], [], color=gray, linewidth=1, alpha=FAINT, label=f"one method, steps {by}"),
         Line2D(

@@ -129,7 +129,9 @@ def verdict(rows: Sequence[Row]) -> list[str]:
     """What a block says about double exact, and about the cheapest method within half a pixel."""
     lines = []
     exact = next((row for row in rows if row.flow == "exact" and row.precision == "double"), None)
-    if exact is not None:
+    if exact is not None and exact.truth == "none":
+        lines.append(f"double exact: not measured, for want of a truth beyond t = {LONGEST:g}")
+    elif exact is not None:
         better = [row for row in rows if usable(row) and row.angle_max < exact.angle_max]
         faster = [row for row in rows if row.seconds < exact.seconds]
         best = f"{len(better)} more accurate: {_names(better)}" if better else "none more accurate"
@@ -194,7 +196,7 @@ def _cells(row: Row, best: bool) -> tuple[str, ...]:
         _number(row.angle_quantile),
         _number(row.angle_mean),
         "*" if best else "",
-        row.worst + (f" [mpmath, {row.count}]" if row.truth == "mpmath" else ""),
+        row.worst + {"mpmath": f" [mpmath, {row.count}]", "none": " [no truth]"}.get(row.truth, ""),
     )
 
 
