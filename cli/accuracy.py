@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import math
 import os
 import sys
@@ -12,11 +13,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from thurston_cl.errors import Interrupted, NoDeviceError, OutputError, ThurstonError
 from thurston_cl.models import GEOMETRIES
 
-from .options import DEVICE, MEASURING, OTHER, OUTPUT, GroupedCommand, Option
+from .options import DEVICE, MEASURING, OTHER, OUTPUT, GroupedCommand, Option, parse_size, scene_changes
 
 if TYPE_CHECKING:
     from thurston_cl.accuracy.protocol import Row
@@ -26,6 +28,9 @@ PLOT_SUFFIXES = (".png", ".svg", ".pdf")
 MOST_DIRECTIONS = 1_000_000
 LONGEST = 100.0
 MOST_STEPS = 1_000_000
+# Options for flows only, and for scenes only, by parameter.
+FOR_FLOWS = {"geometries": "--geometry", "times": "--times", "count": "--directions", "steps": "--steps"}
+FOR_SCENES = {"sets": "--set", "defines": "-D", "size": "--size"}
 # What is measured where the options do not say; written out, as --help must not wait for NumPy.
 TIMES, STEPS, DIRECTIONS = (6.0, 10.0), (0.1, 0.01), 10_000
 
@@ -59,6 +64,7 @@ def _check_plot(ctx: click.Context, param: click.Parameter, file: str | None) ->
 
 @click.command(cls=GroupedCommand)
 @click.argument("scene", required=False)
+@scene_changes
 @click.option(
     "--geometry",
     "geometries",
@@ -66,7 +72,7 @@ def _check_plot(ctx: click.Context, param: click.Parameter, file: str | None) ->
     type=click.Choice(GEOMETRIES),
     cls=Option,
     group=MEASURING,
-    help="Geometry to measure in; may be given several times. [default: all eight]",
+    help="Geometry to measure in without SCENE; may be given several times. [default: all eight]",
 )
 @click.option(
     "--times",
@@ -76,7 +82,7 @@ def _check_plot(ctx: click.Context, param: click.Parameter, file: str | None) ->
     callback=_numbers(LONGEST, "a length"),
     cls=Option,
     group=MEASURING,
-    help="Lengths of the geodesics.",
+    help="Lengths of the geodesics, without SCENE.",
 )
 @click.option(
     "--directions",
@@ -87,7 +93,7 @@ def _check_plot(ctx: click.Context, param: click.Parameter, file: str | None) ->
     metavar="N",
     cls=Option,
     group=MEASURING,
-    help="How many directions, of each of both sets.",
+    help="How many directions of each of both sets, without SCENE.",
 )
 @click.option(
     "--steps",
@@ -97,7 +103,15 @@ def _check_plot(ctx: click.Context, param: click.Parameter, file: str | None) ->
     callback=_numbers(LONGEST, "a length"),
     cls=Option,
     group=MEASURING,
-    help="Steps of the integrators.",
+    help="Steps of the integrators, without SCENE.",
+)
+@click.option(
+    "--size",
+    type=parse_size,
+    metavar="WxH",
+    cls=Option,
+    group=MEASURING,
+    help="Pixels of the picture of SCENE. [default: about 320x180]",
 )
 @click.option("--json", "as_json", is_flag=True, cls=Option, group=OUTPUT, help="Print JSON.")
 @click.option("--csv", "as_csv", is_flag=True, cls=Option, group=OUTPUT, help="Print CSV.")
@@ -119,12 +133,17 @@ def _check_plot(ctx: click.Context, param: click.Parameter, file: str | None) ->
     help="cpu, gpu, an id such as 0:0, or part of a name; see 'thurston devices'.",
 )
 @click.option("-q", "--quiet", is_flag=True, cls=Option, group=OTHER, help="Do not show progress.")
+@click.pass_context
 def command(
+    ctx: click.Context,
     scene: str | None,
+    defines: dict[str, str],
+    sets: tuple[str, ...],
     geometries: tuple[str, ...],
     times: tuple[float, ...],
     count: int,
     steps: tuple[float, ...],
+    size: tuple[int, int] | None,
     as_json: bool,
     as_csv: bool,
     plot_file: str | None,
@@ -132,24 +151,47 @@ def command(
     device: str | None,
     quiet: bool,
 ) -> None:
-    """Measure what accuracy costs: time against error, by method, precision and step.
+    """Measure what accuracy costs: time against error, by method and precision.
 
     Without SCENE geodesics from the origin are followed, exactly and by integrators, as in appendix A of the
-    paper; that takes some minutes for all eight geometries. Ctrl-C prints what is finished.
+    paper; that takes some minutes for all eight geometries. With SCENE, a file or the name of one that comes
+    with the program, its picture is rendered with each. Ctrl-C prints what is finished.
 
     \b
-      thurston accuracy --geometry nil --times 6,10 --plot nil.png
+      thurston accuracy --geometry nil --plot nil.png
       thurston accuracy --csv > accuracy.csv
+      thurston accuracy h3/seifert-weber
     """
     if as_json and as_csv:
         raise click.UsageError("--json and --csv are two ways to print the same: leave out one")
+    for name, option in (FOR_SCENES if scene is None else FOR_FLOWS).items():
+        if ctx.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            cure = "a scene: name one" if scene is None else f"flows without a scene: leave out it or {scene}"
+            raise click.UsageError(f"{option} is for {cure}")
     most = max(times) / min(steps)
     if most > MOST_STEPS:
         raise click.UsageError(
             f"--steps {min(steps):g} makes {most:.2g} steps to {max(times):g}; at most {MOST_STEPS} are made"
         )
+    draw = None
     if plot_file is not None:
         _check_target(plot_file, force)
+        draw = functools.partial(_draw, plot_file)
+    if scene is not None:
+        from .accuracy_scene import report_scene
+
+        report_scene(
+            scene,
+            defines=defines,
+            sets=sets,
+            as_json=as_json,
+            as_csv=as_csv,
+            device=device,
+            quiet=quiet,
+            size=size,
+            draw=draw,
+        )
+        return
     from thurston_cl.accuracy import table
     from thurston_cl.accuracy.directions import SEED
     from thurston_cl.accuracy.protocol import measure
@@ -191,8 +233,10 @@ def command(
         click.echo(table.text(rows, table.header(count, SEED, chosen.info.name)))
     if interrupted:
         raise Interrupted(f"{len(rows)} of {progress.total} rows are finished" + " and printed" * bool(rows))
-    if plot_file is not None:
-        _draw(rows, plot_file)
+    if draw is not None:
+        from thurston_cl.accuracy.plot import plot
+
+        draw(functools.partial(plot, rows))
     if not quiet:
         drawn = f", drawn in {plot_file}" if plot_file else ""
         click.echo(f"measured {len(rows)} rows in {seconds:.0f} s on {chosen.info.name}{drawn}", err=True)
@@ -216,13 +260,11 @@ def _check_target(file: str, force: bool) -> None:
         raise OutputError(f"{file}: cannot write into {target.parent}")
 
 
-def _draw(rows: list[Row], file: str) -> None:
-    from thurston_cl.accuracy.plot import plot
-
+def _draw(file: str, plot: Callable[[str], None]) -> None:
     # Under its own name it is whole or absent.
     part = Path(file).with_name(f".{Path(file).name}.part{Path(file).suffix}")
     try:
-        plot(rows, str(part))
+        plot(str(part))
         part.replace(file)
     except OSError as error:
         raise OutputError(f"{file}: cannot be written: {error.strerror or error}") from error

@@ -83,6 +83,11 @@ def _match(pattern: str, text: str, form: str) -> tuple[str, ...]:
 
 def scene_options(function: Command) -> Command:
     """SCENE and what changes it: the arguments `scene`, `defines` (a dict) and `sets`."""
+    return scene_changes(click.argument("scene")(function))
+
+
+def scene_changes(function: Command) -> Command:
+    """What changes a scene: the arguments `defines` (a dict) and `sets`."""
     for decorate in (
         click.option(
             "--set",
@@ -105,7 +110,6 @@ def scene_options(function: Command) -> Command:
             group=SCENE,
             help="Give a param of the scene another value.",
         ),
-        click.argument("scene"),
     ):
         function = decorate(function)
     return function
@@ -125,15 +129,17 @@ def _parse_accuracy(ctx: click.Context, param: click.Parameter, text: str | None
 
 
 def accuracy_option(function: Command) -> Command:
-    """How exact a picture is to be: the argument `accuracy`, a word or an angle in radians, None where not given."""
+    """How exact a picture is to be: the argument `accuracy`, a word or an angle in radians, None where
+    not given.
+    """
     return click.option(
         "--accuracy",
         metavar="WORD|ANGLE",
         callback=_parse_accuracy,
         cls=Option,
         group=RENDERING,
-        help="Take the cheapest method that shows 99.9 % of the pixels that exactly: half-pixel, quarter-pixel, "
-        "draft, reference, or an angle such as '1e-5 rad'. [default: of the scene]",
+        help="Take the cheapest method that shows 99.9 % of the pixels that exactly: half-pixel, "
+        "quarter-pixel, draft, reference, or an angle such as '1e-5 rad'. [default: of the scene]",
     )(function)
 
 

@@ -47,6 +47,8 @@ EVERY_CHANNEL = ("beauty", "depth", "normal", "steps", "error", "object", "cell"
 HEAT_CHANNELS = ("depth", "steps", "error")
 VIEWS = ("none", "filmic", "aces")
 EXPOSURE_LIMIT = 32.0
+# The exit code of a picture that is not as exact as was asked for.
+ACCURACY_MISSED = 3
 # Pixels that --verify and --verify-mp take, at most: more are no sample any more, or take hours.
 MOST_VERIFIED = 1_000_000
 MOST_VERIFIED_MP = 1000
@@ -143,8 +145,8 @@ def _check_most(ctx: click.Context, param: click.Parameter, most: float | None) 
     type=click.Choice(("beauty", *HEAT_CHANNELS)),
     cls=Option,
     group=OUTPUT,
-    help="What the .png of -o shows: the picture, or a heat map of a ray's length, its number of steps or the "
-    "estimate of its error, from white for 0 to black at --most. [default: beauty]",
+    help="What the .png of -o shows: the picture, or a heat map of a ray's length, its number of steps or "
+    "the estimate of its error, from white for 0 to black at --most. [default: beauty]",
 )
 @click.option(
     "--most",
@@ -320,6 +322,8 @@ def command(
     except KeyboardInterrupt:
         raise Interrupted(f"only {', '.join(written)} written" if written else "nothing written") from None
     _report(image, targets, checked, seconds, noted, as_json=as_json, quiet=quiet)
+    if image.statistics["accuracy"] is not None and not image.statistics["accuracy"]["met"]:
+        click.get_current_context().exit(ACCURACY_MISSED)
 
 
 def _film(

@@ -356,7 +356,9 @@ def check_output(
         if not channels:
             raise OutputError(f"{path}: no channels are named; there are {', '.join(EVERY_CHANNEL)}")
         if wrong:
-            raise OutputError(f"{path}: unknown channels {', '.join(wrong)}; there are {', '.join(EVERY_CHANNEL)}")
+            raise OutputError(
+                f"{path}: unknown channels {', '.join(wrong)}; there are {', '.join(EVERY_CHANNEL)}"
+            )
         if suffix == ".png" and (len(channels) != 1 or channels[0] not in ("beauty", *HEAT_CHANNELS)):
             raise OutputError(
                 f"{path}: a PNG shows beauty, depth or steps, one of them; "

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from thurston_cl.accuracy.protocol import Row
+from thurston_cl.accuracy.protocol import QUANTILE, Row
 from thurston_cl.accuracy.table import HALF_PIXELS, front, usable
 
 # Colors that are told apart by everyone (Okabe and Ito), and a shape for each as well.
@@ -30,6 +30,8 @@ COLUMNS = 3
 PANEL = (4.4, 3.7)  # inches
 DOTS = 130  # an inch
 FAINT = 0.35
+LIMIT_COLOR = "#b03030"
+DASHES = (0, (4, 3))
 # Errors of 0 stand this part below all others.
 ZERO_BELOW = 0.05
 
@@ -37,14 +39,19 @@ ZERO_BELOW = 0.05
 def has_matplotlib() -> bool:
     """Whether plots can be drawn."""
     try:
-        import matplotlib  # noqa: F401
+        import matplotlib.figure  # noqa: F401
     except ImportError:
         return False
     return True
 
 
 def plot(rows: Sequence[Row], file: str) -> None:
-    """Draw the uniform directions after the longest time into `file`, a .png, .svg or .pdf.
+    """Draw `figure` into a file, .png, .svg or .pdf. ValueError as there."""
+    figure(rows).savefig(file, dpi=DOTS)
+
+
+def figure(rows: Sequence[Row]) -> Any:
+    """A matplotlib Figure of uniform directions after the longest time; nil without its coordinates.
 
     ValueError where there are no such rows.
     """
@@ -58,25 +65,23 @@ def plot(rows: Sequence[Row], file: str) -> None:
     geometries = list(dict.fromkeys(row.geometry for row in shown))
     columns = min(COLUMNS, len(geometries) + 1)
     lines = math.ceil((len(geometries) + 1) / columns)
-    figure = Figure(figsize=(PANEL[0] * columns, PANEL[1] * lines + 0.6), layout="constrained")
-    grid = figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
+    drawn = Figure(figsize=(PANEL[0] * columns, PANEL[1] * lines + 0.6), layout="constrained")
+    grid = drawn.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
     zero = _zero_place(shown)
     panels = list(grid.flat)
     for axes, geometry in zip(panels, geometries, strict=False):
         _panel(axes, [row for row in shown if row.geometry == geometry], zero)
         axes.set_title(TITLES[geometry], fontsize=13, fontweight="bold")
-    count = shown[0].timed
     for axes in grid[:, 0]:
         axes.set_ylabel("angle error / degrees")
-    for column in range(columns):
-        lowest = max(n for n in range(len(geometries)) if n % columns == column)
-        panels[lowest].set_xlabel(f"device time for {count:,} directions / ms")
-        panels[lowest].tick_params(labelbottom=True)
+    for axes in panels[max(0, len(geometries) - columns) : len(geometries)]:
+        axes.set_xlabel(f"device time for {shown[0].timed:,} directions / ms")
+        axes.tick_params(labelbottom=True)
     for axes in panels[len(geometries) :]:
         axes.set_axis_off()
     _legend(panels[len(geometries)], shown)
-    figure.suptitle(f"What accuracy costs: geodesics of length {time:g}", fontsize=16)
-    figure.savefig(file, dpi=DOTS)
+    drawn.suptitle(f"What accuracy costs: geodesics of length {time:g}", fontsize=16)
+    return drawn
 
 
 def _zero_place(rows: Sequence[Row]) -> float | None:
@@ -94,7 +99,7 @@ def _panel(axes: Any, rows: list[Row], zero: float | None) -> None:
     for spine in ("top", "right"):
         axes.spines[spine].set_visible(False)
     for width, angle in HALF_PIXELS.items():
-        axes.axhline(angle, color="#b03030", linewidth=1, linestyle=(0, (4, 3)), zorder=1)
+        axes.axhline(angle, color=LIMIT_COLOR, linewidth=1, linestyle=DASHES, zorder=1)
         axes.annotate(
             f"½ pixel of {width}",
             (1, angle),
@@ -104,7 +109,7 @@ def _panel(axes: Any, rows: list[Row], zero: float | None) -> None:
             ha="right",
             va="bottom" if width == min(HALF_PIXELS) else "top",
             fontsize=8,
-            color="#b03030",
+            color=LIMIT_COLOR,
         )
     if zero is not None:
         axes.axhline(zero, color="#888888", linewidth=0.8, zorder=1)
@@ -175,7 +180,7 @@ def _mark(axes: Any, row: Row, zero: float | None) -> None:
         zorder=5,
     )
     if not usable(row):
-        axes.plot(x, top, "x", markersize=14, markeredgecolor="#b03030", markeredgewidth=1.2, zorder=6)
+        axes.plot(x, top, "x", markersize=14, markeredgecolor=LIMIT_COLOR, markeredgewidth=1.2, zorder=6)
 
 
 def _place(error: float, zero: float | None) -> float:
@@ -208,14 +213,14 @@ def _legend(axes: Any, rows: Sequence[Row]) -> None:
         entry("double precision", "o", gray, markerfacecolor=gray),
         entry("single precision", "o", gray, markerfacecolor="white", markeredgewidth=1.4),
         entry("mean; the others are maxima", "o", gray, markerfacecolor=gray, markersize=4.5, alpha=FAINT),
-        entry("some directions off or lost", "x", "#b03030", markersize=12),
+        entry(f"over {1 - QUANTILE:.1%} of directions off or lost", "x", LIMIT_COLOR, markersize=12),
         Line2D([], [], color="#bdbdbd", linewidth=6, alpha=0.55, label="Pareto front of the maxima"),
         Line2D([], [], color=gray, linewidth=1, alpha=FAINT, label=f"one method, steps {by}"),
         Line2D(
             [],
             [],
-            color="#b03030",
-            linestyle=(0, (4, 3)),
+            color=LIMIT_COLOR,
+            linestyle=DASHES,
             linewidth=1,
             label="½ pixel at the border, 100° across",
         ),

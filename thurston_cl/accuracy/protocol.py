@@ -13,7 +13,8 @@ without the way there and back: the median of several runs.
 TRUTH. Double exact, for all methods but itself; for itself golden values by mpmath (golden.py), in fewer
 directions. Points and directions of it have errors of their own, in the row of double exact, and so has the
 solver for geodesics: `floor` is the largest angle error that it finds for the truth itself. No error below
-these means anything.
+these means anything. Where it does not find the true geodesic, as in sol one of a pair that is about to fuse,
+no angle can be measured: the direction is `unsolved`, and counted.
 """
 
 import math
@@ -47,6 +48,8 @@ QUANTILE = 0.999
 # also pays for what the device sets up, counts as well.
 RUNS = 9
 ENOUGH_SECONDS = 0.2
+# In radians; geodesics about to fuse are found with half of the digits of double precision.
+SOLVED_BELOW = 1e-6
 # The shortest period of geodesics in sol.
 SOL_PERIOD = math.pi * math.sqrt(2)
 
@@ -96,7 +99,9 @@ class Row:
     angle_quantile: float
     angle_mean: float
     worst: str
-    # The largest angle error, in degrees, that the truth itself is found to have.
+    # Directions whose own geodesic the solver does not find, without angle error here; and the largest error,
+    # in degrees, that it finds in the others.
+    unsolved: int
     floor: float
 
 
@@ -107,6 +112,7 @@ class _Block:
     time: float
     directions: Directions
     truth: Array
+    solved: NDArray[np.bool_]
     floor: float
     single: float = math.nan
 
@@ -187,7 +193,8 @@ def measure(
 def _block(exact: Geometry, time: float, directions: Directions) -> _Block:
     truth = _follow(exact, directions.vectors, time)
     angles = angle_errors(exact, directions.vectors, truth, time)
-    return _Block(time, directions, truth, math.degrees(float(np.nanmax(angles, initial=0))))
+    solved = np.asarray(angles < SOLVED_BELOW, np.bool_)
+    return _Block(time, directions, truth, solved, math.degrees(float(angles[solved].max(initial=0))))
 
 
 def _row(candidate: Candidate, flowing: Geometry, exact: Geometry, block: _Block) -> Row:
@@ -200,6 +207,7 @@ def _row(candidate: Candidate, flowing: Geometry, exact: Geometry, block: _Block
     if not is_truth:
         distances = distance_errors(exact, block.truth, points)
         angles = angle_errors(exact, measured.vectors, points, block.time)
+        angles[~block.solved] = np.nan
     elif (values := golden(exact.name, block.time, measured.name)) is not None:
         measured, truth = values.directions, "mpmath"
         distances, angles = values.errors(_follow(exact, measured.vectors, block.time))
@@ -208,8 +216,9 @@ def _row(candidate: Candidate, flowing: Geometry, exact: Geometry, block: _Block
         distances = angles = np.empty(0)
     lost = np.isnan(distances)
     off = angles > OFF_ABOVE
-    rest = np.degrees(angles[~lost & ~off & ~np.isnan(angles)])
+    rest = np.degrees(angles[~off & ~np.isnan(angles)])
     worst = int(np.nanargmax(np.where(off, np.nan, angles))) if len(rest) else None
+    all_angles = np.where(lost | off, np.pi, angles)
     return Row(
         geometry=exact.name,
         time=block.time,
@@ -228,9 +237,10 @@ def _row(candidate: Candidate, flowing: Geometry, exact: Geometry, block: _Block
         off=int(off.sum()),
         lost=int(lost.sum()),
         angle_max=_of(np.max, rest),
-        angle_quantile=_of(_quantile, np.degrees(np.where(lost | off | np.isnan(angles), np.pi, angles))),
+        angle_quantile=_of(_quantile, np.degrees(all_angles[~np.isnan(all_angles)])),
         angle_mean=_of(np.mean, rest),
         worst="" if worst is None else _place(measured, worst),
+        unsolved=0 if is_truth else int((~block.solved & ~lost).sum()),
         floor=block.floor,
     )
 

@@ -168,6 +168,11 @@ class Rays:
             cl.Buffer(device.context, flags, hostbuf=np.ascontiguousarray(table)) for table in tables
         ]
 
+    @property
+    def seconds(self) -> float:
+        """How long the device was at work on the last rays, of the last eye that had some."""
+        return self._program.seconds
+
     def threshold_at(self, length: Array, threshold: float | None = None) -> Array:
         """How near counts as a hit (N,) after lengths (N,) of the way; threshold: not the method's."""
         near = self.method.threshold if threshold is None else threshold
@@ -183,7 +188,7 @@ class Rays:
         """March the rays of places; threshold and steps in place of the method's."""
         near = self.method.threshold if threshold is None else threshold
         most = self.method.steps if steps is None else steps
-        out = self._run("verify_trace", places, [], 13, most, threshold=near)
+        out = self._run("verify_trace", places, [], 12 + self._estimates, most, threshold=near)
         marched = out[:, 2] >= 0
         lost = ~np.isfinite(out[:, 0])
         return Ends(

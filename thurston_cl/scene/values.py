@@ -161,9 +161,7 @@ def accuracy(value: object) -> str | float:
     help = "write 'half-pixel', or an angle such as '1e-5 rad'"
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         help = f"an angle needs a unit: write '{value:g} rad', or 'half-pixel'"
-    raise problem(
-        f"expected one of {', '.join(ACCURACIES)}, or an angle, found {shown(value)}", help
-    )
+    raise problem(f"expected one of {', '.join(ACCURACIES)}, or an angle, found {shown(value)}", help)
 
 
 # A word, or an angle in radians.
