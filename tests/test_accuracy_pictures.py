@@ -28,7 +28,7 @@ FOV = math.pi / 3
 
 # One for each way in which rays are led back into a cell.
 QUOTIENTS = (
-    "e3/hantzsche-wendt-balls",
+    "e3/three-torus-ball",
     "s3/poincare-ball",
     "h3/seifert-weber",
     "s2xe/hopf-manifold-tile",
@@ -195,12 +195,14 @@ def test_a_shift_in_the_picture_comes_back_as_its_angle_in_a_manifold(
         found = compare(exact, exact, places, ends)
         _, u = exact.starts(places)
         _, v = exact.starts(beside)
-        expected, hit = mismatch(u, v), ends.object > 0
+        expected = mismatch(u, v)
+        # Farther away a pixel covers so much that other images are nearer.
+        hit = (ends.object > 0) & (ends.length < 3) & (found.truth.length < 3)
         assert hit.mean() > 0.2
         # A fold may lie between, behind which another direction is nearer or none is found.
         near = np.abs(found.angle / expected - 1)[hit] < 0.01
-        assert near.mean() > 0.97, name
-        assert found.over[hit].mean() > 0.97 if is_over else found.over.mean() < 0.01, name
+        assert near.mean() > 0.98, name
+        assert found.over[hit].mean() > 0.98 if is_over else found.over[hit].mean() < 0.01, name
 
 
 @pytest.mark.parametrize("name", QUOTIENTS)
@@ -215,11 +217,13 @@ def test_double_is_without_error_and_single_near_rounding(name: str, opencl_devi
     assert itself["depth"] is None or itself["depth"]["max"] == 0
     assert itself["angle"] is not None
     assert itself["angle"]["99"] < 1e-14
-    single = errors(scene, Method(), opencl_device, SIZE).summary
-    assert single["angle"]["99"] < 2e-6
-    assert single["over_half_pixel"] < 2e-3
+    single = errors(scene, Method(), opencl_device, SIZE)
+    near = single.angle[(single.method.object > 0) & (single.method.length < 8)]
     # And it is no copy of the truth.
-    assert single["angle"]["50"] > 1e-9
+    assert np.quantile(near, 0.99) < 2e-6
+    assert np.median(near) > 1e-9
+    assert single.summary["angle_pixels"]["99"] < 0.01
+    assert single.summary["over_half_pixel"] < 2e-3
 
 
 @pytest.mark.parametrize(
@@ -287,7 +291,7 @@ def test_what_is_shown_within_half_a_pixel_is_right(opencl_device: Device) -> No
         beside = Places(places.eye, places.pixel, places.shift + np.array([shift, 0]))
         found = compare(exact, exact, places, exact.trace(beside))
         edge = found.id_differs
-        assert edge.sum() >= 10
+        assert edge.sum() >= 5
         assert found.over[edge].mean() < 0.1 if right else found.over[edge].mean() > 0.5
 
 
@@ -356,7 +360,7 @@ def test_both_eyes_are_judged(opencl_device: Device) -> None:
     seen = [found.truth.object[found.places.eye == eye].reshape(20, 20) for eye in (0, 1)]
     # What is near stands farther to the left for the right eye.
     columns = [np.nonzero(picture)[1].mean() for picture in seen]
-    assert columns[1] < columns[0] - 2
+    assert columns[1] < columns[0] - 1
     assert found.summary["over_half_pixel"] == 0
 
 
