@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 from camera_rays import view
 from golden import Array
 
+from thurston_cl.accuracy import rays as rays_module
 from thurston_cl.accuracy.pictures import Errors, _refined, all_places, compare, errors, quantiles, worst
 from thurston_cl.accuracy.pixel import half_pixel, half_pixels
 from thurston_cl.accuracy.rays import Ends, ExactRays, Offsets, Places, Rays
@@ -19,6 +21,7 @@ from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
 from thurston_cl.method import Method
 from thurston_cl.models import GEOMETRIES, LEFT_INVARIANT
+from thurston_cl.program import Source, kernel_text
 from thurston_cl.scene import load_scene, load_text
 from thurston_cl.scene.placement import CameraFrame, Placement
 from thurston_cl.scene.schema import Scene
@@ -314,6 +317,44 @@ def test_rays_that_are_lost_show_the_background(opencl_device: Device) -> None:
     assert np.isnan(found.angle[lost]).all()
     first = worst(found, 3)
     assert found.over[first].all()
+
+
+# What the constants of carry.cl may be as well.
+CHOICES = {
+    "VERIFY_ASIDE C(1e-8)": "VERIFY_ASIDE C(1e-7)",
+    "VERIFY_STEP 1": "VERIFY_STEP C(0.37)",
+    "VERIFY_PASSES 64": "VERIFY_PASSES 200",
+    "VERIFY_AHEAD 2": "VERIFY_AHEAD 3",
+    "VERIFY_ROUNDS 2": "VERIFY_ROUNDS 3",
+}
+
+
+@pytest.mark.parametrize("name", QUOTIENTS)
+def test_the_choices_of_carrying_do_not_matter(
+    name: str, opencl_device: Device, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = load_scene(name)
+    exact, rays = ExactRays(scene, opencl_device, SIZE), Rays(scene, Method(), opencl_device, SIZE)
+    places = all_places(scene, SIZE)
+    ends = rays.trace(places)
+    plain = compare(rays, exact, places, ends)
+
+    text = kernel_text("verify/carry.cl")
+    for old, new in CHOICES.items():
+        assert old in text
+        text = text.replace(old, new)
+    of_rays = rays_module._of_rays
+
+    def with_choices(*arguments: Any) -> Source:
+        source = of_rays(*arguments)
+        return dataclasses.replace(source, generated={**source.generated, "verify/carry.cl": text})
+
+    monkeypatch.setattr(rays_module, "_of_rays", with_choices)
+    other = compare(rays, ExactRays(scene, opencl_device, SIZE), places, ends, plain.truth)
+    near = (ends.object > 0) & (ends.length < 6)
+    np.testing.assert_allclose(other.angle[near], plain.angle[near], rtol=1e-3, atol=1e-11)
+    # Which of the images far away is found first may differ, and with it what is over half a pixel.
+    assert (other.over != plain.over).mean() < 2e-3
 
 
 @pytest.mark.parametrize("name", ["h3/seifert-weber", "sl2/genus-two-tile", "sol/anosov-globes"])
