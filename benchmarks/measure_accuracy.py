@@ -113,7 +113,7 @@ def candidates(geometry: str) -> Iterator[tuple[str, dict[str, Any], Method]]:
                 settings = {"precision": precision, "threshold": threshold}
                 yield "thresholds", settings, Method(precision, threshold=threshold, steps=5000)
     for steps in STEPS:
-        yield "steps", {"steps": steps}, Method(threshold=TIGHT["single"], steps=steps)
+        yield "steps", {"steps": steps}, Method("double", threshold=TIGHT["double"], steps=steps)
     for precision in ("single", "double"):
         for agm in AGM.get(geometry, ()):
             settings = {"precision": precision, "agm": agm}

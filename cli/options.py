@@ -123,9 +123,10 @@ def _parse_accuracy(ctx: click.Context, param: click.Parameter, text: str | None
     from thurston_cl.scene.values import accuracy
 
     try:
-        return accuracy(text)
+        return accuracy(float(text) if re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*", text) else text)
     except PydanticCustomError as error:
-        raise click.BadParameter(error.message()) from error
+        help = (error.context or {}).get("help")
+        raise click.BadParameter(f"{error.message()}; {help}" if help else error.message()) from error
 
 
 def accuracy_option(function: Command) -> Command:

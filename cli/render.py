@@ -375,9 +375,8 @@ def _targets(
 
 def _wanted(targets: Sequence[_Target]) -> tuple[str, ...]:
     """The channels that the files need: what is not asked for is not worked out."""
-    if any(target.channels is None for target in targets):
-        return CHANNELS
-    return tuple(name for name in EVERY_CHANNEL if any(name in (target.channels or ()) for target in targets))
+    wanted = {name for target in targets for name in target.channels or CHANNELS}
+    return tuple(name for name in EVERY_CHANNEL if name in wanted)
 
 
 def _is_png(file: str) -> bool:
