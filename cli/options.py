@@ -12,6 +12,7 @@ from thurston_cl.errors import NoDeviceError
 
 if TYPE_CHECKING:
     from thurston_cl.device import Device
+    from thurston_cl.scene import Scene
 
 SCENE = "Scene"
 OUTPUT = "Output"
@@ -141,6 +142,17 @@ def accuracy_option(function: Command) -> Command:
         help="Take the cheapest method that shows 99.9 % of the pixels that exactly: half-pixel, "
         "quarter-pixel, draft, reference, or an angle such as '1e-5 rad'. [default: of the scene]",
     )(function)
+
+
+def check_size(scene: Scene, size: tuple[int, int] | None) -> None:
+    """UsageError for a --size that the scene's projection cannot have."""
+    from thurston_cl.scene.picture import fitting_size, size_problem
+
+    shape = scene.camera.projection.kind, scene.camera.layout
+    if size and (problem := size_problem(*shape, size)):
+        width, height = fitting_size(*shape, size)
+        message = f"--size {size[0]}x{size[1]}: {problem[0]}; for example --size {width}x{height}"
+        raise click.UsageError(message)
 
 
 def check_precision(device: Device, precision: str) -> str:

@@ -27,6 +27,7 @@ from .options import (
     Option,
     accuracy_option,
     check_precision,
+    check_size,
     device_options,
     parse_crop,
     parse_size,
@@ -280,7 +281,7 @@ def command(
     targets = _targets(loaded, files, channels, _film(files, shows, most, exposure, view))
     for target in targets:
         check_output(target.file, target.channels, force)
-    _check_size(loaded, size)
+    check_size(loaded, size)
     if crop is not None:
         _check_crop(crop, size or loaded.render.size)
     chosen = choose(device)
@@ -380,16 +381,6 @@ def _wanted(targets: Sequence[_Target]) -> tuple[str, ...]:
 
 def _is_png(file: str) -> bool:
     return file.lower().endswith(".png")
-
-
-def _check_size(scene: Scene, size: tuple[int, int] | None) -> None:
-    from thurston_cl.scene.picture import fitting_size, size_problem
-
-    shape = scene.camera.projection.kind, scene.camera.layout
-    if size and (problem := size_problem(*shape, size)):
-        width, height = fitting_size(*shape, size)
-        message = f"--size {size[0]}x{size[1]}: {problem[0]}; for example --size {width}x{height}"
-        raise click.UsageError(message)
 
 
 def _check_crop(crop: tuple[int, int, int, int], size: tuple[int, int]) -> None:
