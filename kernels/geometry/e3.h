@@ -24,7 +24,9 @@ FN real separation(point p, point q, point p_tail, point q_tail)
 {
   real4_lanes d, sum;
   chord(p, q, p_tail, q_tail, &d, &sum);
-  return sqrt(dot_3(first_3(d), first_3(d)));
+  real back, scale = square_scale(fmax(fmax(fabs(d.x), fabs(d.y)), fabs(d.z)), &back);
+  real3_lanes scaled = scale_3(first_3(d), scale);
+  return back * sqrt(dot_3(scaled, scaled));
 }
 
 // Where q lies from p, in the frame at p, not normalised.
