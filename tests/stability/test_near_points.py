@@ -67,7 +67,9 @@ def test_a_distance_is_as_small_as_it_is(geometry: str, precision: str, opencl_d
     # truth of sol leaves out the third order.
     least = float(np.finfo(FLOAT[precision]).tiny)
     grain = np.where((p == 0) | (q == 0), 0, np.abs(p)).max(axis=1) * EPSILON["single"] ** 2
-    allowed = STATED[precision] * EPSILON[precision] * want + 2 * least + (grain if precision == "single" else 0)
+    allowed = (
+        STATED[precision] * EPSILON[precision] * want + 2 * least + (grain if precision == "single" else 0)
+    )
     allowed += want**3
     worst = int(np.argmax(np.abs(got - want) / allowed))
     assert (np.abs(got - want) <= allowed).all(), (p[worst], q[worst], got[worst], want[worst])
@@ -100,5 +102,3 @@ def test_what_bare_inverse_cosines_make_of_it() -> None:
         product = sign * (p[:3] @ q[:3]) + p[3] * q[3]
         naive = arc(np.clip(product, -1, 1) if geometry == "s3" else max(product, 1.0))
         assert abs(naive / near_distance(geometry, p, q) - 1) > 0.5
-
-
