@@ -159,7 +159,7 @@ def test_points_too_far_are_refused(geometry: str, precision: str, opencl_device
     point = lifted(geometry, *(np.array([float(c)]) for c in REFUSED[geometry, precision]))
     cure = "; use precision='double'" if precision == "single" else ""
     for call in (g.distance, g.underestimate, lambda p: g.geodesics(p, 1), lambda p: g.translate(p, p)):
-        with pytest.raises(ValueError, match="point 0|base 0") as error:
+        with pytest.raises(ValueError, match=r"(point|base) 0") as error:
             call(point)
         assert str(error.value).endswith(f"is too far away for {precision} precision{cure}"), error.value
 
@@ -193,15 +193,14 @@ def test_distances_from_the_origin(geometry: str, precision: str, opencl_device:
 @pytest.mark.parametrize("precision", EPSILON)
 def test_transport_far_away(precision: str, opencl_device: Device) -> None:
     """In sol it is integrated for so many steps only, and says so; elsewhere it goes on, a rotation."""
-    t = 1e5
     for geometry in ("e3", "nil", "sl2", "sol"):
         g = Geometry(geometry, precision, opencl_device, lanes=4)
         u = cut([[0.48, 0.6, 0.64]], precision)
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
-            turn = g.transport(u, t)[0]
+            turn = g.transport(u, 1e5 if geometry == "sol" else 1e4)[0]
         if geometry == "sol":
             text = f"transport: 1 of 1 matrices are not known: too far away for {precision} precision"
             assert np.isnan(turn).any() and [str(word.message) for word in said] == [text]
         else:
-            assert not said and np.abs(turn @ turn.T - np.eye(3)).max() <= 32 * EPSILON[precision], geometry
+            assert not said and np.abs(turn @ turn.T - np.eye(3)).max() <= 16 * EPSILON[precision], geometry

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import golden
 import numpy as np
+import scipy.optimize
 import sol
 import test_products as products
 import twisted
@@ -65,6 +66,19 @@ def area(geometry: str, u: Any, t: Any) -> Number:
         share = MP.sqrt(e[0] ** 2 + e[1] ** 2)
         return abs(time * (curved(geometry, share * time)[0] / share if share else time))
     return abs(twisted.area(geometry, e, time) if geometry in TWISTED else sol.area(e, time))
+
+
+def signed_factor(geometry: str, u: Any, t: Any) -> Number:
+    """The factor of the area density of nil or sl2 that is 0 at conjugate points between whole turns, signed."""
+    e, time = exact_row(u), number(t)
+    r, turned = twisted.half_speeds(e, time)
+    s, k = (turned**2, 2) if geometry == "nil" else (turned**2 - r**2, 4)
+    _, s0, s1, _ = twisted.stumpff(s)
+    return s0 - k * r**2 * s1
+
+
+def root_between(f: Callable[[float], float], low: float, high: float) -> float:
+    return float(scipy.optimize.brentq(f, low, high, xtol=1e-15))
 
 
 def number(value: Any) -> Number:
