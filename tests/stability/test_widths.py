@@ -15,7 +15,6 @@ from golden import EPSILON, Array, cut
 
 from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
-from thurston_cl.models import ORIGIN
 
 from . import truth
 from .sweeps import lifted
@@ -100,9 +99,7 @@ BAD = (np.nan, np.inf, -np.inf, 1e38, -1e38, 1e-38, 0.0)
 
 
 @all_settings
-def test_bad_neighbours_do_not_matter(
-    geometry: str, precision: str, lanes: int, opencl_device: Device
-) -> None:
+def test_bad_neighbours_do_not_matter(geometry: str, precision: str, opencl_device: Device) -> None:
     """Every other row made nonsense, as no caller may: the rows between keep every bit. And it ends."""
     g, m = Geometry(geometry, precision, opencl_device, lanes=WIDTHS[1]), mixture(geometry, precision)
     u, t, base, point = m["u"], m["t"][:, None], m["base"], m["point"]
