@@ -69,8 +69,8 @@ def test_exactly_at_the_antipode(geometry: str, precision: str, opencl_device: D
 @both_precisions
 @both_spheres
 def test_next_to_the_antipode_and_beyond_it(geometry: str, precision: str, opencl_device: Device) -> None:
-    """Short of it the geodesic gone is the shortest, beyond it the second; none is of a family. Both directions
-    are known to what the points say of them: rounding over the step."""
+    """Short of it the geodesic gone is the shortest, beyond it the second; none is of a family. Both
+    directions are known to what the points say of them: rounding over the step."""
     g, double = (Geometry(geometry, x, opencl_device, lanes=4) for x in (precision, "double"))
     for base in bases(geometry):
         for u in directions(geometry, "double"):

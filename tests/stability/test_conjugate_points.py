@@ -1,9 +1,9 @@
-"""Up to where a geodesic is the shortest, and where light comes together: the first conjugate points, from both
-sides.
+"""Up to where a geodesic is the shortest, and where light comes together: the first conjugate points, from
+both sides.
 
-The cut times are pi in s3; pi/l in s2xe, l the part of the direction across the line; 2 pi/|u_z| in nil; 2 pi/kappa
-in sl2, kappa^2 = u_w^2 - a^2 (where a <= |u_w|); the period in sol (Coiculescu, Schwartz). In s3, s2xe, nil and sl2
-they are conjugate points: the area density is 0 there.
+The cut times are pi in s3; pi/l in s2xe, l the part of the direction across the line; 2 pi/|u_z| in nil; 2
+pi/kappa in sl2, kappa^2 = u_w^2 - a^2 (where a <= |u_w|); the period in sol (Coiculescu, Schwartz). In s3,
+s2xe, nil and sl2 they are conjugate points: the area density is 0 there.
 """
 
 import numpy as np
@@ -51,8 +51,8 @@ def directions(geometry: str, precision: str) -> Array:
 
 @settings
 def test_shortest_until_there(geometry: str, precision: str, opencl_device: Device) -> None:
-    """Before the cut time the distance of the end is the length, with the digits that the head states; after it,
-    less: the more the farther, and never a hair more than the length."""
+    """Before the cut time the distance of the end is the length, with the digits that the head states; after
+    it, less: the more the farther, and never a hair more than the length."""
     g, double = (Geometry(geometry, p, opencl_device, lanes=4) for p in (precision, "double"))
     for u in directions(geometry, "double"):
         last = cut_time(geometry, u)
@@ -74,8 +74,8 @@ CONJUGATE = ("s3", "s2xe", "nil", "sl2")
 @both_precisions
 @pytest.mark.parametrize("geometry", CONJUGATE)
 def test_light_comes_together(geometry: str, precision: str, opencl_device: Device) -> None:
-    """The density falls to 0 at each of the first conjugate points and rises again, its errors no more than what
-    rounding the time, and the angle turned, does to it; never negative."""
+    """The density falls to 0 at each of the first conjugate points and rises again, its errors no more than
+    what rounding the time, and the angle turned, does to it; never negative."""
     g = Geometry(geometry, precision, opencl_device, lanes=4)
     for u in directions(geometry, precision):
         for turns in (1, 2, 5):
@@ -95,8 +95,8 @@ def test_light_comes_together(geometry: str, precision: str, opencl_device: Devi
 
 @both_precisions
 def test_the_second_factor_of_nil_and_sl2(precision: str, opencl_device: Device) -> None:
-    """Between whole turns another conjugate point stands, where the other factor is 0: found in long arithmetic,
-    and walked over."""
+    """Between whole turns another conjugate point stands, where the other factor is 0: found in long
+    arithmetic, and walked over."""
     for geometry in ("nil", "sl2"):
         g = Geometry(geometry, precision, opencl_device, lanes=4)
         for u in directions(geometry, precision):

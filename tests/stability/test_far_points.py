@@ -1,9 +1,10 @@
-"""Far from the origin: as far as the head of each geometry says, results are as exact as it says; beyond, they
-are right, or there is a word (ValueError, RuntimeWarning). Never a wrong number, and never a wait.
+"""Far from the origin: as far as the head of each geometry says, results are as exact as it says; beyond,
+they are right, or there is a word (ValueError, RuntimeWarning). Never a wrong number, and never a wait.
 
-In e3 and nil coordinates go on to the end of the numbers; in h3 squares of coordinates overflow at 44 (single) and
-354 (double), in h2xe where the part of the way in H2 is as long; in sl2 coordinates themselves at kappa t = 88 and
-709; in sol at the height 88 and 709, and single flows are right to 87, double ones to 160/mu.
+In e3 and nil coordinates go on to the end of the numbers; in h3 squares of coordinates overflow at 44
+(single) and 354 (double), in h2xe where the part of the way in H2 is as long; in sl2 coordinates themselves
+at kappa t = 88 and 709; in sol at the height 88 and 709, and single flows are right to 87, double ones to
+160/mu.
 """
 
 import time
@@ -22,7 +23,8 @@ from . import truth
 from .sweeps import lifted
 
 DIRECTIONS = np.array([
-    [0.6, 0.0, 0.8], [-0.36, 0.48, 0.8], [0.64, -0.6, 0.48], [0.0, 1.0, 0.0], [1e-3, 1e-3, 1.0], [0.7, 0.7, 1e-3],
+    [0.6, 0.0, 0.8], [-0.36, 0.48, 0.8], [0.64, -0.6, 0.48], [0.0, 1.0, 0.0], [1e-3, 1e-3, 1.0],
+    [0.7, 0.7, 1e-3],
 ])  # fmt: skip
 # No call takes as long, however far (seconds; the first compiles).
 PATIENCE = 20.0
@@ -113,7 +115,8 @@ def test_flows_within_their_range(geometry: str, precision: str, opencl_device: 
 
 @pytest.mark.parametrize(("geometry", "precision"), CASES)
 def test_flows_beyond_their_range(geometry: str, precision: str, opencl_device: Device) -> None:
-    """Points that are numbers are right, to a thousandth of a radian or of themselves; all others are counted."""
+    """Points that are numbers are right, to a thousandth of a radian or of themselves; all others are
+    counted."""
     g, limits = Geometry(geometry, precision, opencl_device, lanes=4), RANGES[geometry]
     for t in limits.beyond[precision]:
         u, times = unit_rays(t, precision)
@@ -128,13 +131,9 @@ def test_flows_beyond_their_range(geometry: str, precision: str, opencl_device: 
         far = [word for word in words if word.startswith("flow: ")]
         assert far == ([] if known.all() else [far_message(known, precision)]), (t, words)
         unknown = int(np.isnan(area).sum())
-        assert [word for word in words if word.startswith("area_density: ")] == (
-            [
-                f"area_density: {unknown} of {len(u)} values are not known: too far away for {precision} precision"
-            ]
-            if unknown
-            else []
-        ), (t, words)
+        dark = [word for word in words if word.startswith("area_density: ")]
+        begin = f"area_density: {unknown} of {len(u)} values are not known"
+        assert dark == ([f"{begin}: too far away for {precision} precision"] if unknown else []), (t, words)
         errors = (
             off(geometry, u[known], times[known], points[known]) if t < 1e6 and known.any() else np.zeros(1)
         )

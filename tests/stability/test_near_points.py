@@ -1,7 +1,7 @@
 """Points that coincide, or nearly: from 1e-6 apart down to where there are no numbers.
 
-Truth is the chord in constant curvature and, in nil, sl2 and sol, the exponential map to second order, both with as
-many digits as the separation needs.
+Truth is the chord in constant curvature and, in nil, sl2 and sol, the exponential map to second order, both
+with as many digits as the separation needs.
 """
 
 import golden
@@ -57,8 +57,8 @@ def rows(geometry: str) -> tuple[Array, Array]:
 
 @all_settings
 def test_a_distance_is_as_small_as_it_is(geometry: str, precision: str, opencl_device: Device) -> None:
-    """With the digits that coordinates and what single precision cuts off them have; not 0 before there are no
-    smaller numbers; the same there and back; with unit directions."""
+    """With the digits that coordinates and what single precision cuts off them have; not 0 before there are
+    no smaller numbers; the same there and back; with unit directions."""
     g = Geometry(geometry, precision, opencl_device, lanes=4)
     p, q = rows(geometry)
     want = np.array([near_distance(geometry, *pair) for pair in zip(p, q, strict=True)])
@@ -94,7 +94,8 @@ def test_no_distance_from_a_point_to_itself(geometry: str, precision: str, openc
 
 
 def test_what_bare_inverse_cosines_make_of_it() -> None:
-    """acos and acosh of a product, as other programs take them, say 0 from 1e-9 on: the test above sees that."""
+    """acos and acosh of a product, as other programs take them, say 0 from 1e-9 on: the test above sees
+    that."""
     for geometry, arc in (("s3", np.arccos), ("h3", np.arccosh)):
         p = lifted(geometry, *(np.array([c]) for c in BASES[4]))[0]
         q = lifted(geometry, *(np.array([c]) for c in np.array(BASES[4]) + 1e-9 * np.array(AXES[4])))[0]

@@ -138,8 +138,8 @@ def test_elliptic_functions(name: str, precision: str, opencl_device: Device) ->
 
 @pytest.mark.parametrize("precision", EPSILON)
 def test_hyperbolic_functions_end(precision: str, opencl_device: Device) -> None:
-    """SECH_END: k' = 0 and arguments on both sides of it; beyond, cn and dn are below the least number that has
-    all digits."""
+    """SECH_END: k' = 0 and arguments on both sides of it; beyond, cn and dn are below the least number that
+    has all digits."""
     u = cut(value_of(JACOBI, "SECH_END", precision) * (1 + sides(precision)), precision)
     sn, cn, dn, zeta = tc.special.jacobi(u, m1=0.0, precision=precision, device=opencl_device, lanes=LANES)
     sech = np.array([float(MP.sech(MP.mpf(float(x)))) for x in u])

@@ -1,8 +1,8 @@
 """A lane does what it does alone: whatever stands in the packet beside it, at every width.
 
-Packets here mix regimes: ordinary rays and points with ones next to every degenerate case, with slow ones, with ones
-that overflow, and with numbers that are none. Only what the device's own exp, log and, in double precision, atan2
-round may differ from width to width: by a few units, and in a bit nowhere else.
+Packets here mix regimes: ordinary rays and points with ones next to every degenerate case, with slow ones,
+with ones that overflow, and with numbers that are none. Only what the device's own exp, log and, in double
+precision, atan2 round may differ from width to width: by a few units, and in a bit nowhere else.
 """
 
 import functools
@@ -94,7 +94,8 @@ def test_neighbours_do_not_matter(geometry: str, precision: str, opencl_device: 
             np.testing.assert_array_equal(asked(g, rows(m, np.array([n])))[0], together[n], f"{name} {n}")
 
 
-# Inputs that are no numbers, or whose results are none, or take long; in place of components of a ray or a point.
+# Inputs that are no numbers, or whose results are none, or take long; in place of components of a ray or a
+# point.
 BAD = (np.nan, np.inf, -np.inf, 1e38, -1e38, 1e-38, 0.0)
 
 
@@ -127,9 +128,9 @@ def test_bad_neighbours_do_not_matter(geometry: str, precision: str, opencl_devi
         np.testing.assert_array_equal(got[good], want[good], name)
 
 
-# Where the device's exp, log or (in double precision) atan2 take part, by geometry: what they round otherwise in
-# vectors, in units of EPSILON of the largest entry of a row. Everything else is equal to the last bit; and so is
-# single precision, but for the search for geodesics of sol.
+# Where the device's exp, log or (in double precision) atan2 take part, by geometry: what they round
+# otherwise in vectors, in units of EPSILON of the largest entry of a row. Everything else is equal to the
+# last bit; and so is single precision, but for the search for geodesics of sol.
 _FLOWS = ("flow", "flow from the origin", "velocity", "transport", "area_density")
 _LENGTHS = ("distance", "underestimate", "geodesics")
 _MOVES = ("translate", "untranslate")

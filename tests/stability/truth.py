@@ -69,7 +69,8 @@ def area(geometry: str, u: Any, t: Any) -> Number:
 
 
 def signed_factor(geometry: str, u: Any, t: Any) -> Number:
-    """The factor of the area density of nil or sl2 that is 0 at conjugate points between whole turns, signed."""
+    """The factor of the area density of nil or sl2 that is 0 at conjugate points between whole turns,
+    signed."""
     e, time = exact_row(u), number(t)
     r, turned = twisted.half_speeds(e, time)
     s, k = (turned**2, 2) if geometry == "nil" else (turned**2 - r**2, 4)
@@ -187,8 +188,8 @@ def solved(matrix: Any, right: Exact) -> Exact:
 
 def point_error(geometry: str, u: Array, t: float, want: Exact, got: Array) -> Array:
     """The error (3,) or (4,) of a point (4,) in the terms of the head of the geometry's file: relative to
-    the largest entry; in nil to the length and, for z, to itself; in sl2 to z and, for w, to max(|w|, |u_w t|);
-    in sol in the frame there, to max(1, size), and below 1 to the time."""
+    the largest entry; in nil to the length and, for z, to itself; in sl2 to z and, for w, to max(|w|, |u_w
+    t|); in sol in the frame there, to max(1, size), and below 1 to the time."""
     if not np.isfinite(got).all():
         return np.full(4, np.inf)
     off = exact(got) - want
