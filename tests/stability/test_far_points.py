@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from golden import EPSILON, MP, Array, cut
+from test_twisted import circle_length
 
 from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
@@ -203,3 +204,24 @@ def test_transport_far_away(precision: str, opencl_device: Device) -> None:
             assert np.isnan(turn).any() and [str(word.message) for word in said] == [text]
         else:
             assert not said and np.abs(turn @ turn.T - np.eye(3)).max() <= 16 * EPSILON[precision], geometry
+
+
+@pytest.mark.parametrize("precision", EPSILON)
+@pytest.mark.parametrize("geometry", ["nil", "sl2"])
+def test_far_up_the_fibre(geometry: str, precision: str, opencl_device: Device) -> None:
+    """Right above the origin, however high: the shortest are circles of geodesics with one turn, two, and
+    three; next to the fiber the same, each parted in two."""
+    g = Geometry(geometry, precision, opencl_device, lanes=4)
+    heights = np.array([20.0, 1e3, 1e6, 1e9, 1e12, 9e18])
+    for sign in (1, -1):
+        on, near = (lifted(geometry, x * heights, 0 * heights, sign * heights) for x in (0.0, 1e-25))
+        want = np.array([[circle_length(geometry, k, MP.mpf(h)) for k in (1, 2, 3)] for h in heights])
+        want = want.astype(float)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            _, lengths, family = g.geodesics(on, 3, families=True)
+            _, beside = g.geodesics(near if precision == "double" else on, 3)
+        assert family.all() and np.abs(lengths / want - 1).max() <= 4 * EPSILON[precision], sign
+        np.testing.assert_array_equal(g.distance(on), lengths[:, 0])
+        parted = want[:, [0, 0, 1]] if precision == "double" else want
+        assert np.abs(beside / parted - 1).max() <= 4 * EPSILON[precision], sign

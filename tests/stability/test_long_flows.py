@@ -6,9 +6,9 @@ Drift, measured here: for a length t an error of the size of the path's amplitud
     e3, s3, nil                 a unit at any t     the same: lengths and half angles have two parts
     s2xe, of the factor         t EPSILON/2         the same: the angle l t is rounded
     sl2, elliptic, over H2      t EPSILON           the same: so is the root of s
-    1000 flows of 1, reproject,  at most 1000 EPSILON of the size of coordinates; directions 1000^(3/2) EPSILON
-      against one of 1000        where they turn about a fiber: what rounding does to the part along it turns
-                                 them for the rest of the way
+    1000 flows of 1, reproject,  at most 1000 EPSILON of the size of coordinates; 1000^(3/2) EPSILON of
+      against one of 1000        directions that turn about a fiber: what rounding does to the part along it
+                                 turns them for the rest of the way
 """
 
 import warnings
