@@ -27,6 +27,7 @@
 //   quantity, from o                                          float     double    relative to
 //   flow: x, y, z;  t from 1e-8 to 10                         5.3e-7    1.1e-15   z
 //                   t = 20 to 100                             2.1e-5    3.1e-14   z
+//                   elliptic, to 10,000                       t EPSILON           the most that z comes to
 //         w                                                   1.9e-7    2.7e-16   max(|w|, |u_w t|)
 //         direction there;  t < 10 / t < 100                  2.2e-7    2.0e-16   1; 1.7e-6 in float, t < 100
 //   transport;  t < 10                                        5.2e-7    8.2e-16   1; 5.7e-6, 2.1e-15 for t < 100

@@ -6,6 +6,7 @@ Drift, measured here: for a length t an error of the size of the path's amplitud
     e3, s3, nil                 a unit at any t     the same: lengths and half angles have two parts
     s2xe, of the factor         t EPSILON/2         the same: the angle l t is rounded
     sl2, elliptic, over H2      t EPSILON           the same: so is the root of s
+    sol, off the planes         a unit of the point's size at any t; its direction, t EPSILON
     1000 flows of 1, reproject,  at most 1000 EPSILON of the size of coordinates; 1000^(3/2) EPSILON of
       against one of 1000        directions that turn about a fiber: what rounding does to the part along it
                                  turns them for the rest of the way
@@ -73,6 +74,20 @@ def test_long_flows(geometry: str, precision: str, opencl_device: Device) -> Non
         turned = [truth.vector_error(end.direction, e) for end, e in zip(ends, ahead, strict=True)]
         # Where a half angle of single precision has a large second part, its square counts.
         assert np.abs(turned).max() <= 4 * EPSILON[precision] + (t * EPSILON[precision]) ** 2 / 4, t
+
+
+@both_precisions
+def test_long_flows_of_sol(precision: str, opencl_device: Device) -> None:
+    """Far from the planes, where coordinates grow in proportion to the length, the period counts only."""
+    g = Geometry("sol", precision, opencl_device, lanes=4)
+    u = sol.directions([(0.6, 0.64, 0.48), (0.7, 0.7, 1e-3), (0.3, -0.2, 0.9)], precision)
+    for t in (300.0, 1000.0):
+        points, ahead = g.flow(u, t)
+        for row, p, e in zip(u, points, ahead, strict=True):
+            end = truth.flow("sol", row, t)
+            off = np.abs(truth.point_error("sol", row, t, end.point, p)).max()
+            assert off <= 4 * EPSILON[precision], (row, t)
+            assert np.abs(truth.vector_error(end.direction, e)).max() <= t * EPSILON[precision], (row, t)
 
 
 @both

@@ -19,8 +19,6 @@ from .sweeps import lifted
 BASES = ([0.0, 0.0, 0.0], [0.5, 0.0, 0.25], [0.0, 0.3, -0.4], [0.3, 0.4, 0.0], [0.3, -0.2, 0.6])
 AXES = ([1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0], [0.6, 0.8, 0], [0.48, -0.64, 0.6])
 SEPARATIONS = (1e-6, 1e-9, 1e-12, 1e-15, 1e-19, 1e-23, 1e-30, 1e-37, 1e-100, 1e-155, 1e-160, 1e-200, 1e-300)
-# Lengths relative to themselves, from the heads: the least of what they say of near points.
-STATED = {"single": 4.0, "double": 4.0}
 all_settings = pytest.mark.parametrize(("geometry", "precision"), truth.SETTINGS)
 
 
@@ -67,9 +65,7 @@ def test_a_distance_is_as_small_as_it_is(geometry: str, precision: str, opencl_d
     # truth of sol leaves out the third order.
     least = float(np.finfo(FLOAT[precision]).tiny)
     grain = np.where((p == 0) | (q == 0), 0, np.abs(p)).max(axis=1) * EPSILON["single"] ** 2
-    allowed = (
-        STATED[precision] * EPSILON[precision] * want + 2 * least + (grain if precision == "single" else 0)
-    )
+    allowed = 4 * EPSILON[precision] * want + 2 * least + (grain if precision == "single" else 0)
     allowed += want**3
     worst = int(np.argmax(np.abs(got - want) / allowed))
     assert (np.abs(got - want) <= allowed).all(), (p[worst], q[worst], got[worst], want[worst])

@@ -20,7 +20,6 @@ from thurston_cl.models import GEOMETRIES, ISOTROPIC, ORIGIN, PRODUCTS, TWISTED
 
 Number = Any
 both_precisions = products.both_precisions
-Setting = tuple[str, str]
 SETTINGS = [(name, precision) for name in GEOMETRIES for precision in golden.EPSILON]
 # 50 digits; what sol.py works out may have more.
 FINE = MP.mpf(10) ** -22
@@ -204,8 +203,3 @@ def point_error(geometry: str, u: Array, t: float, want: Exact, got: Array) -> A
 
 def vector_error(want: Exact, got: Array) -> Array:
     return rounded(exact(got) - want) if np.isfinite(got).all() else np.full(len(want), np.inf)
-
-
-def size_of(errors: Array) -> Array:
-    """The sizes (N,) of errors (N,M): of the largest entry."""
-    return np.asarray(np.abs(errors).max(axis=1))
