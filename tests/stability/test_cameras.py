@@ -5,7 +5,6 @@ what is wrong.
 """
 
 import functools
-import itertools
 
 import numpy as np
 import pytest
@@ -21,7 +20,6 @@ from thurston_cl.scene import load_text
 from .pictures import check_finite, differing, picture
 
 each_geometry = pytest.mark.parametrize("geometry", GEOMETRIES)
-CHANNELS = ("beauty", "depth", "normal", "steps", "object", "cell")
 # How far the camera is moved, and the share of pixels that may show something else then: those whose ray
 # passes a silhouette, or grazes something, within that.
 MOVED = "move: [{right: 1.0e-6}, {up: -1.0e-6}, {forward: 1.0e-6}]"
@@ -33,7 +31,7 @@ UP = {True: "[1, 0, 0]", False: "[0, 0, 1]"}
 def seen(text: str, camera: str) -> Image:
     """The picture by a camera, checked, and held to what it sees from a millionth beside."""
     image, beside = (
-        picture(text.replace("CAMERA", f"{camera}, {more}"), channels=CHANNELS)
+        picture(text.replace("CAMERA", f"{camera}, {more}"))
         for more in ("fov: 100 deg", f"fov: 100 deg, {MOVED}")
     )
     for each in (image, beside):
@@ -67,13 +65,7 @@ PLACES = {
     "plane": "[0, 0.8, 0]",
     "light": "[0, 0.4, 0]",
 }
-DIRECTIONS = [
-    *itertools.permutations((1.0, 0.0, 0.0)),
-    (0.0, 0.0, -1.0),
-    (-1.0, 0.0, 0.0),
-    (1.0, 1.0, 0.0),
-    (1.0, -1.0, 0.0),
-]
+DIRECTIONS = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 1.0, 0.0))
 
 
 @pytest.mark.parametrize("place", PLACES)
@@ -81,7 +73,7 @@ DIRECTIONS = [
 def test_on_axes_and_along_them(geometry: str, place: str) -> None:
     text = SPACE.replace("GEOMETRY", geometry)
     objects = set()
-    for along in dict.fromkeys(DIRECTIONS):
+    for along in DIRECTIONS:
         image = seen(text, f"at: {PLACES[place]}, {looking(along)}")
         objects |= set(np.unique(image.channels["object"]))
     assert objects >= {1, 2, 3}
@@ -218,8 +210,8 @@ def test_on_walls_edges_and_vertices(geometry: str, place: str) -> None:
     text, _ = cell(geometry)
     at = [float(x) for x in places(geometry)[place]]
     objects = set()
-    # Across the wall, along it, and back.
-    for along in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (-1.0, -0.8, -0.9)):
+    # Along or across the wall, and back.
+    for along in ((1.0, 0.0, 0.0), (-1.0, -0.8, -0.9)):
         image = seen(text, f"at: {{model: {at}}}, {looking(along)}")
         objects |= set(np.unique(image.channels["object"]))
     assert 1 in objects
