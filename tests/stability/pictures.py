@@ -47,8 +47,8 @@ def check_finite(image: Image) -> None:
 
 
 def stated(part: str, row: str, precision: str) -> float:
-    """The accuracy that the head of a file of kernels/ states in the row that begins so: the first number with
-    an exponent is that of single precision, the second of double.
+    """The accuracy that the head of a file of kernels/ states in the row that begins so: the first number
+    with an exponent is that of single precision, the second of double.
     """
     found = re.search(rf"^// *{re.escape(row)}(.*)$", kernel_text(part), re.MULTILINE)
     assert found is not None, f"{part} has no row {row!r}"

@@ -1,6 +1,6 @@
-"""Rays that graze: silhouettes of balls and cylinders and horizons of half-spaces against the exact angle at
-which they stand, depths right up to there, rays that touch, run along planes, in walls and along edges of cells,
-and in surfaces that are totally geodesic.
+"""Rays that graze: silhouettes of balls and cylinders and horizons of half-spaces against the exact angle
+at which they stand, depths right up to there, rays that touch, run along planes and along edges of cells, in
+surfaces that are totally geodesic, and out into the open.
 """
 
 import numpy as np
@@ -29,7 +29,7 @@ def angles(size: tuple[int, int], fov: float) -> tuple[Array, Array]:
     return np.arctan(flat), np.arctan(y * scale / np.hypot(1, x * scale))
 
 
-# -- silhouettes -----------------------------------------------------------------------------------------------
+# -- silhouettes ---------------------------------------------------------------------------------------------
 
 # The radius of a ball and how far away it is. In s3 it is seen larger again beyond a quarter turn.
 BALLS = {
@@ -141,8 +141,8 @@ def horizon(geometry: str, height: float, far: float = 20.0, steps: int = 3000) 
 @both_precisions
 @pytest.mark.parametrize("height", [0.02, 0.5, 2.0])
 def test_the_horizon_of_a_half_space(height: float, precision: str) -> None:
-    """In e3 as far down as rays of length `far` reach; in h3 at the angle of parallelism, of which they see all but
-    nothing. In s3 there is none."""
+    """In e3 as far down as rays of length `far` reach; in h3 at the angle of parallelism, of which they see
+    all but nothing. In s3 there is none."""
     size, fov, far = (33, 129), np.radians(100), 20.0
     _, above = angles(size, fov)
     down, pixel = np.sin(-above), fov / size[1]
@@ -167,8 +167,8 @@ def test_the_horizon_of_a_half_space(height: float, precision: str) -> None:
     assert (image.channels["object"] == 1).all()
 
 
-# How many rows of rays may run out of the 300 steps that there are by default, 0.02 above a half-space: in e3 the
-# one that is level, in h3 the next below, on which every step takes the same small part of the height.
+# How many rows of rays may run out of the 300 steps that there are by default, 0.02 above a half-space: in e3
+# the one that is level, in h3 the next below, on which every step takes the same small part of the height.
 ROWS_OUT = {"e3": 1, "s3": 0, "h3": 1, "s2xe": 0, "h2xe": 0, "nil": 0, "sl2": 0, "sol": 0}
 
 
@@ -181,7 +181,27 @@ def test_few_rays_along_a_plane_run_out_of_steps(geometry: str) -> None:
     assert image.statistics["out_of_steps"] <= ROWS_OUT[geometry] * size[0]
 
 
-# -- rays that touch -------------------------------------------------------------------------------------------
+SKY = """
+geometry: GEOMETRY
+camera: {at: [0, 0, 0], look: {along: [1, 0, 0]}, fov: 120 deg}
+objects: [{half-space: {normal: [1, 0, 0], offset: -HEIGHT}}]
+render: {far: FAR, steps: 3000}
+"""
+
+
+@both_precisions
+@pytest.mark.parametrize("geometry", ["e3", "h3", "h2xe"])
+def test_rays_that_go_out_into_the_open_do_not_come_back(geometry: str, precision: str) -> None:
+    """At lengths of 20, by default, and 40 coordinates have lost the direction of h3."""
+    for height in (0.02, 0.5, 3.0):
+        for far in (20, 40):
+            text = SKY.replace("GEOMETRY", geometry).replace("HEIGHT", str(height)).replace("FAR", str(far))
+            image = picture(text, precision=precision)
+            check_finite(image)
+            assert not image.channels["object"].any(), (height, far)
+
+
+# -- rays that touch -----------------------------------------------------------------------------------------
 
 TOUCHING = """
 geometry: GEOMETRY
@@ -209,7 +229,7 @@ def test_rays_that_touch_a_ball(geometry: str, precision: str) -> None:
     np.testing.assert_allclose(image.channels["depth"], 1, atol=2 * np.sqrt(THRESHOLD))
 
 
-# -- walls and edges of cells ----------------------------------------------------------------------------------
+# -- walls and edges of cells --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("geometry", ["e3", "s3", "h3", "h2xe", "nil", "sl2", "sol"])
@@ -222,7 +242,7 @@ def test_along_the_edge_of_a_cell(geometry: str) -> None:
     assert (image.channels["object"] == 1).any()
 
 
-# -- surfaces that are totally geodesic ------------------------------------------------------------------------
+# -- surfaces that are totally geodesic ----------------------------------------------------------------------
 
 # Where a ball 1.2 ahead and the row of the picture lie: planes of curvature -1 in sol, H2, S2, and flat ones.
 SURFACES = {

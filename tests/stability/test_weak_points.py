@@ -3,11 +3,13 @@ formula or habit that fails, written out here in the few lines of a `naive_` fun
 what this project does on the same numbers, held to the accuracy that the heads of the kernels state.
 
 "NEV" is non-euclidean_VR, "HR" HyperRogue. What cannot be a test: a table of inverse geodesics of Sol (HR
-solv-geodesics.dat), since there is none here, and geodesics are solved for; bands at powers of two that need a
-wrong ln 2 (NEV improvedEquidistantSphStrips), since no pattern bands by a logarithm and the level of an image
-is interpolated, so that nothing happens at a whole one. What NEV lists as missing - exact balls of sl2, exact
-light in nil and sl2, several directions of light in s2xe - is held to exact values in test_shapes_fibred.py,
-test_intensity.py and test_products.py.
+solv-geodesics.dat), since there is none here, and geodesics are solved for; bands at powers of two that need
+a wrong ln 2 (NEV improvedEquidistantSphStrips), since no pattern bands by a logarithm and the level of an
+image is interpolated, so that nothing happens at a whole one; hacks about acos and modulo that are not told
+more of (NEV log 2023-05-11, 2023-05-22). What NEV lists as missing - exact balls of sl2, exact light in nil
+and sl2, several directions of light in s2xe - is held to exact values in test_shapes_fibred.py,
+test_intensity.py and test_products.py. Rays that touch, where discriminants get negative (SnapPy
+fragment.glsl:873), are in test_grazing.py; figure 41 of the paper is in test_library_pictures.py too.
 """
 
 import itertools
@@ -52,8 +54,8 @@ EULER_STEP = 0.0002
 
 def naive_sol_flow(u: Array, t: float, real: type) -> Array:
     """NEV sol part2.glsl:300, paper 11.2: Euler's steps where the time is short, the formula of a hyperbolic
-    plane, without the third coordinate, where the direction is nearly in it, and elliptic functions elsewhere.
-    These themselves are exact here, and only what is done with them is rounded.
+    plane, without the third coordinate, where the direction is nearly in it, and elliptic functions
+    elsewhere. These themselves are exact here, and only what is done with them is rounded.
     """
     a, b, c, t = (real(x) for x in (*u, t))
     if abs(t) < SHORT:
@@ -94,7 +96,7 @@ def naive_sol_flow(u: Array, t: float, real: type) -> Array:
 
 
 def sol_error(got: Array, u: Array, t: float) -> float:
-    """The length of the error in the metric at the true point, relative to max(1, size), to a time below 1."""
+    """The length of the error in the metric at the true point, relative to max(1, size) min(1, t)."""
     return sol.off(sol.flow(u, t).point, got) / min(1.0, t)
 
 
@@ -129,8 +131,8 @@ def test_sol_goes_on_where_others_switch_formulas(switch: str, opencl_device: De
 
 
 def naive_elliptic(k: np.floating, real: type) -> tuple[float, float]:
-    """NEV sol part1.glsl:59-65: K and E by the arithmetic-geometric mean from the modulus, in 20 steps or until
-    its members are 1e-6 apart."""
+    """NEV sol part1.glsl:59-65: K and E by the arithmetic-geometric mean from the modulus, in 20 steps or
+    until its members are 1e-6 apart."""
     a, b = real(1), np.sqrt(real(1) - k * k)
     power, excess = real(0.5), real(0.5) * k * k
     for _ in range(20):
@@ -282,8 +284,8 @@ THRESHOLD = 1e-4  # how near a ray comes to what it hits, by default
 
 
 def test_geodesics_in_nil_are_known_better_than_rays_are_marched(opencl_device: Device) -> None:
-    """A length by a tolerance of 1e-3 is off by more than the threshold; and the rise of a geodesic that starts
-    nearly level is noise where bisection for it goes on."""
+    """A length by a tolerance of 1e-3 is off by more than the threshold; and the rise of a geodesic that
+    starts nearly level is noise where bisection for it goes on."""
     rng = np.random.default_rng(11)
     rho, z = cut(rng.uniform(0.5, 6, 200), "single"), cut(10.0 ** rng.uniform(-3, 0.8, 200), "single")
     points = np.column_stack([rho, 0 * rho, z, 1 + 0 * rho])
@@ -306,8 +308,8 @@ def test_geodesics_in_nil_are_known_better_than_rays_are_marched(opencl_device: 
 
 
 def naive_distance(name: str, p: Array, q: Array, real: type) -> Array:
-    """NEV sph, s2e and hyp imports/distance.glsl: acos or acosh of a product; sl2 imports/fakeDistance.glsl:12:
-    of max(1, product)."""
+    """NEV sph, s2e and hyp imports/distance.glsl: acos or acosh of a product; sl2
+    imports/fakeDistance.glsl:12: of max(1, product)."""
     p, q = p.astype(real), q.astype(real)
     if name == "s3":
         return np.arccos((p * q).sum(axis=1)).astype(np.float64)
@@ -357,37 +359,26 @@ def test_neighbours_on_a_long_horizontal_geodesic_of_sl2(opencl_device: Device) 
 
 
 def naive_reduce_error(p: Array, real: type) -> Array:
-    """NEV hyp part1.glsl:42-46, which says itself that it is left out: divided by the root of minus the norm."""
+    """NEV hyp part1.glsl:42-46, which says itself that it is left out: over the root of minus the norm."""
     x = p.astype(real)
     norm = x[:, 3] * x[:, 3] - (x[:, :3] * x[:, :3]).sum(axis=1)
     return (x / np.sqrt(norm)[:, None]).astype(np.float64)
 
 
 def test_far_points_of_h3_are_put_back_on_the_model(opencl_device: Device) -> None:
-    """By how much that moves them along the way to them: w is known to EPSILON of itself, its square is not."""
-    body = Body(
-        8,
-        8,
-        """point p = POINT(0); vector v = POINT(4);
-reproject(&p, &v);
-OUT(0, p.x); OUT(1, p.y); OUT(2, p.z); OUT(3, p.w); OUT(4, v.x); OUT(5, v.y); OUT(6, v.z); OUT(7, v.w);""",
-    )
-    kernels = SmallKernels(opencl_device, geometry_parts("h3"), {"back": body}, "single", 1)
+    """By how much that moves them along the way to them: w is known to EPSILON of itself, its square is not.
+    test_geometry.py holds the directions there to the same."""
+    text = "point p = on_model(POINT(0)); OUT(0, p.x); OUT(1, p.y); OUT(2, p.z); OUT(3, p.w);"
+    kernels = SmallKernels(opencl_device, geometry_parts("h3"), {"back": Body(4, 4, text)}, "single", 1)
     rho = np.linspace(8, 20, 25)
-    unit = np.array([0.6, 0.64, 0.48])
-    p = np.column_stack([np.sinh(rho)[:, None] * unit, np.cosh(rho)])
-    v = np.column_stack([np.cosh(rho)[:, None] * unit, np.sinh(rho)])
-    p, v = cut(p, "single"), cut(v, "single")
+    p = np.column_stack([np.sinh(rho)[:, None] * [0.6, 0.64, 0.48], np.cosh(rho)])
     with np.errstate(invalid="ignore", divide="ignore"):
-        moved = np.arcsinh(np.linalg.norm(naive_reduce_error(p, np.float32)[:, :3], axis=1)) - rho
+        reduced = naive_reduce_error(cut(p, "single"), np.float32)
+    moved = np.arcsinh(np.linalg.norm(reduced[:, :3], axis=1)) - rho
     assert share(~(np.abs(moved) < 0.1)) > 0.5
-    out = kernels.run("back", np.concatenate([p.T, v.T])).astype(np.float64)
+    out = kernels.run("back", p.T).astype(np.float64)
     assert (np.abs(np.arcsinh(np.linalg.norm(out[:3], axis=0)) - rho) <= 4 * EPSILON["single"]).all()
     np.testing.assert_allclose(out[3], np.cosh(rho), rtol=8 * EPSILON["single"])
-    along, w = out[4:7] / np.cosh(rho), np.cosh(rho)
-    near = rho < 12  # beyond, directions have no digits left: h3.h
-    off = np.abs(along - unit[:, None]).max(axis=0)
-    assert (off[near] <= 7 * EPSILON["single"] * w[near]).all()
 
 
 # -- light ---------------------------------------------------------------------------------------------------
@@ -458,8 +449,8 @@ def nearest_hit(eye: Array, u: Array, centers: Array, radius: float) -> Array:
 def naive_march(
     eye: Array, u: Array, center: Array, radius: float, seen: list[Array], creeping: bool, start: float = 0.0
 ) -> Array:
-    """Paper 4.2: marching in the cell of the cubical torus with the balls `seen` alone; with creeping only just
-    over a wall at once. After a teleport rays of NEV raymarch.glsl:50 go on by `start` unasked."""
+    """Paper 4.2: marching in the cell of the cubical torus with the balls `seen` alone; with creeping only
+    just over a wall at once. After a teleport rays of NEV raymarch.glsl:50 go on by `start` unasked."""
     p, t = np.repeat(eye[None], len(u), axis=0), np.zeros(len(u))
     hit, active, blind = np.zeros(len(u), bool), np.ones(len(u), bool), np.zeros(len(u), bool)
     for _ in range(1000):
@@ -481,8 +472,8 @@ def naive_march(
     return np.where(hit, t, np.inf)
 
 
-# Where balls stand and how large they are, what is seen and whether rays creep: figures 11, 13(a), 14 and 15 of the
-# paper; and the start of 0.1 after a teleport.
+# Where balls stand and how large they are, what is seen and whether rays creep: figures 13(a), 14 and 15 of
+# the paper; and the start of 0.1 after a teleport.
 WALL_HABITS = {
     "figure-13a": ((0.42, 0.1, -0.1), 0.2, [SELF], False, 0.0),
     "figure-14": ((0.28, 0.28, 0.28), 0.21, [SELF, *FACES], False, 0.0),
@@ -554,7 +545,7 @@ def naive_length_of(x: float) -> float:
 
 FAR_IN_SINGLE = pytest.mark.xfail(
     strict=True,
-    reason="objects are placed by matrices, whose products lose e^(2r) EPSILON: 0.1 at r = 8 in single precision",
+    reason="objects are placed by matrices, whose products lose e^(2r) EPSILON: 0.1 at r = 8 in single",
 )
 
 
@@ -609,7 +600,6 @@ def test_cusps(opencl_device: Device) -> None:
         single, double = picture(text), picture(text, precision="double")
         check_finite(single)
         assert share(double.channels["object"]) > 0.05
-        print(at, differing(single, double))
         assert differing(single, double) <= 0.01
 
 
@@ -643,7 +633,7 @@ def test_the_limit_of_steps_is_how_many_there_are(limit: int) -> None:
 
 
 def naive_steps_to_an_end(distance: float, most: int) -> int:
-    """HR changelog ("a freeze", "NAN coordinates"): marching until something is near, without a thought of NaN."""
+    """HR changelog ("a freeze", "NAN coordinates"): marching until something is near, come what may."""
     steps, t = 0, 0.0
     while not distance < 1e-4 and not t > 10 and steps < most:
         t, steps = t + distance, steps + 1
@@ -653,8 +643,8 @@ def naive_steps_to_an_end(distance: float, most: int) -> int:
 @pytest.mark.parametrize("finish", ["packet", "refill"])
 @pytest.mark.parametrize("lanes", [1, 16])
 def test_coordinates_of_sol_that_overflow_are_counted_background(lanes: int, finish: str) -> None:
-    """Rays in the planes x = 0 and y = 0 rise or fall as fast as they go, and e^z or e^-z leaves single precision
-    at t = 88. No other ray waits for them."""
+    """Rays in the planes x = 0 and y = 0 rise or fall as fast as they go, and e^z or e^-z leaves single
+    precision at t = 88. No other ray waits for them."""
     assert naive_steps_to_an_end(np.nan, 10_000) == 10_000
     text = """
 geometry: sol
