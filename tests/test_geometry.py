@@ -477,8 +477,9 @@ def test_h3_directions_over_the_seam_of_the_split(
 def test_h3_directions_far_out_stay_units_and_outward(
     opencl_device: Device, precision: str, sense: int
 ) -> None:
-    """What a step leaves of a ray over RADIAL_ABOVE: its part along the radius and that along a coordinate which
-    is 0 keep their digits, the part across is noise up to there and none beyond; so the length stays 1."""
+    """What a step leaves of a ray over RADIAL_ABOVE: its part along the radius and that along a coordinate
+    which is 0 keep their digits, the part across is noise up to there and none beyond; so its length stays 1.
+    """
     body = Body(
         8,
         4,
