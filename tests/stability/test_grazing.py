@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from golden import EPSILON, Array
 
+from thurston_cl.device import Device
 from thurston_cl.lattice import domain
 
-from .pictures import PRECISIONS, check_finite, picture, share
+from .pictures import PRECISIONS, check_finite, differing, picture, share
 from .test_cameras import cell, seen
 
 CURVATURE = {"e3": 0, "s3": 1, "h3": -1, "s2xe": 1, "h2xe": -1, "sol": -1}
@@ -199,6 +200,18 @@ def test_rays_that_go_out_into_the_open_do_not_come_back(geometry: str, precisio
             image = picture(text, precision=precision)
             check_finite(image)
             assert not image.channels["object"].any(), (height, far)
+
+
+@pytest.mark.parametrize("geometry", ["nil", "sl2", "sol"])
+def test_rays_that_wind_come_back_in_both_precisions_alike(geometry: str, opencl_device: Device) -> None:
+    """Geodesics that leave a vertical plane meet it again in nil and sl2."""
+    if not opencl_device.info.fp64:
+        pytest.skip("the device has no double precision")
+    for height in (0.02, 3.0):
+        text = SKY.replace("GEOMETRY", geometry).replace("HEIGHT", str(height)).replace("FAR", "40")
+        single, double = (picture(text, precision=precision) for precision in PRECISIONS)
+        check_finite(single)
+        assert differing(single, double) <= 0.001
 
 
 # -- rays that touch -----------------------------------------------------------------------------------------
