@@ -30,8 +30,8 @@ PARALLEL = 1e-9
 # Coordinates, and e^|z| in sol, beyond this have lost all digits of what is near them: in h3 and along z in
 # sol, 27 from the origin.
 FARTHEST = 1e12
-# There is no frame right at the antipode of the origin of s3: a camera there stands so far beside it, towards x,
-# far below what can be seen and far above what squares of single precision can hold.
+# There is no frame right at the antipode of the origin of s3: a camera there stands so far beside it, towards
+# x. That is far below what can be seen, and its square is a normal number of single precision.
 ANTIPODE_OFFSET = 1e-12
 X_AXIS = np.array([1.0, 0.0, 0.0])
 Z_AXIS = np.array([0.0, 0.0, 1.0])
