@@ -122,8 +122,9 @@ def _parse_accuracy(ctx: click.Context, param: click.Parameter, text: str | None
 
     from thurston_cl.scene.values import accuracy
 
+    is_number = re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*", text)
     try:
-        return accuracy(float(text) if re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*", text) else text)
+        return accuracy(float(text) if is_number else text)
     except PydanticCustomError as error:
         help = (error.context or {}).get("help")
         raise click.BadParameter(f"{error.message()}; {help}" if help else error.message()) from error
