@@ -36,7 +36,7 @@ from thurston_cl.scene.schema import Scene
 
 FOLDER = Path(__file__).parent / "accuracy"
 # From two pixels of a small picture to what double precision is for.
-ANGLES = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 1e-7)
+ANGLES = (1e-2, 3e-3, 1e-3, 5e-4, 2e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-7)
 RAYS = 4000
 # The picture whose rays are timed.
 TIMED_SIZE = (160, 96)
@@ -94,7 +94,7 @@ def probes(geometry: str) -> list[Scene]:
     space = f"objects: [{', '.join(balls)}]"
     eye = f"camera: {{at: {EYES[geometry]}, look: {{along: [-1, 0.5, 0.25]}}, fov: 90 deg}}"
     start = "camera: {at: [0.05, 0.03, 0.02], look: {along: [1, 0.4, 0.1]}, fov: 120 deg}"
-    head, more = f"geometry: {geometry}", "render: {size: [320, 192], far: 12}"
+    head, more = f"geometry: {geometry}", "render: {size: [320, 192]}"
     return [
         load_text(f"{head}\n{CELLS[geometry]}\n{eye}\n{more}"),
         load_text(f"{head}\n{space}\n{start}\n{more}"),
