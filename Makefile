@@ -7,7 +7,7 @@ SCENE ?= scenes/h3/seifert-weber.yaml
 OUT ?= out/$(basename $(notdir $(SCENE))).png
 export PYTHON
 
-.PHONY: help setup render test check format bench builds clean
+.PHONY: help setup render test check format bench accuracy builds clean
 
 help:
 	@echo 'make render   set up, render $(SCENE) and name the picture'
@@ -15,6 +15,7 @@ help:
 	@echo 'make check    ruff (rules, format) and mypy'
 	@echo 'make format   let ruff rewrite the code'
 	@echo 'make bench    measure on this computer'
+	@echo 'make accuracy  measure again what accuracy targets choose from (half an hour)'
 	@echo 'make builds   measure how long the programs of all library scenes take to build'
 	@echo 'make setup    only the environment $(VENV) and an OpenCL device that works'
 	@echo 'make clean    remove what was built, and $(VENV)'
@@ -49,6 +50,9 @@ format: $(VENV)/.installed
 
 bench: setup
 	$(VENV)/bin/python benchmarks/bench.py
+
+accuracy: setup
+	$(VENV)/bin/python benchmarks/measure_accuracy.py
 
 builds: setup
 	$(VENV)/bin/python benchmarks/builds.py

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from typing import Any
 
 import numpy as np
 from effects import effects, unit_costs
@@ -20,6 +21,7 @@ from krs import PLOT, krs
 from race import SCENES, contender, race
 
 from thurston_cl import device as devices
+from thurston_cl.accuracy import protocol, table
 from thurston_cl.device import Device
 from thurston_cl.program import LOCAL_SIZE, Source, build_widest, geometry_parts
 from thurston_cl.rendering import tiles
@@ -111,6 +113,21 @@ def sol_flow(device: Device, repeat: int) -> None:
     print("  target: at most 3")
 
 
+# The short form of `thurston accuracy`: one time, one step, fewer directions, the groups.
+SHORT_FORM: dict[str, Any] = {
+    "geometries": ("nil", "sl2", "sol"),
+    "times": (6.0,),
+    "count": 2000,
+    "steps": (0.1,),
+}
+
+
+def flows(device: Device) -> None:
+    """Time against error of flows."""
+    print("\nflows, a short form of `thurston accuracy`, whose head says what the columns are")
+    print(table.text(list(protocol.measure(device=device, **SHORT_FORM))))
+
+
 def ideal_cube(device: Device, repeat: int) -> None:
     """The ideal cube, complement of a ball, fog only: the scene of the paper's own shader."""
     lanes = device.info.lane_width("single")
@@ -167,6 +184,8 @@ def main() -> None:
     effects(device, repeat)
     unit_costs(device, repeat)
     sol_flow(device, repeat)
+    if info.fp64:
+        flows(device)
     krs(device, repeat, PLOT)
     ideal_cube(device, repeat)
     memory()

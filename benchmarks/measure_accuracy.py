@@ -25,9 +25,12 @@ from thurston_cl.accuracy.measured import ALLOWED, KNOBS
 from thurston_cl.accuracy.pictures import all_places, compare
 from thurston_cl.accuracy.pixel import half_pixels
 from thurston_cl.accuracy.rays import ExactRays, Places, Rays
+from thurston_cl.arrays import Array, ArrayProgram
 from thurston_cl.device import Device
+from thurston_cl.geometry import Geometry
 from thurston_cl.method import Method
-from thurston_cl.models import GEOMETRIES
+from thurston_cl.models import GEOMETRIES, ORIGIN
+from thurston_cl.program import Source, geometry_parts
 from thurston_cl.scene import load_text
 from thurston_cl.scene.schema import Scene
 
@@ -75,7 +78,7 @@ FLOWS: tuple[tuple[str, str, float | None], ...] = (
 # The first of each is the plain one.
 THRESHOLDS = (1e-4, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 3e-5, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 STEPS = (300, 50, 100, 200, 600, 1200, 5000)
-NEWTON: dict[str, tuple[int | None, ...]] = dict.fromkeys(("nil", "sl2", "sol"), (None, 2, 4, 6, 8, 12))
+NEWTON = dict.fromkeys(("nil", "sl2", "sol"), (None, 2, 3, 4, 6, 8, 12, 20))
 AGM: dict[str, tuple[int | None, ...]] = {"sol": (None, 2, 3, 4, 5)}
 TIGHT = {"single": 1e-6, "double": 1e-8}
 
@@ -101,8 +104,8 @@ def probes(geometry: str) -> list[Scene]:
 def candidates(geometry: str) -> Iterator[tuple[str, dict[str, Any], Method]]:
     """The rows to measure: their table, their settings, and a method that is exact but for those."""
     for precision, flow, step in FLOWS:
-        settings = {"precision": precision, "flow": flow, "step": step}
-        yield "flows", settings, Method(**settings, threshold=TIGHT[precision], steps=5000)
+        method = Method(precision, flow, step, threshold=TIGHT[precision], steps=5000)
+        yield "flows", {"precision": precision, "flow": flow, "step": step}, method
     for precision in ("single", "double"):
         for threshold in THRESHOLDS:
             # Nearer than that rounding never lets a ray come to a surface.
@@ -110,11 +113,11 @@ def candidates(geometry: str) -> Iterator[tuple[str, dict[str, Any], Method]]:
                 settings = {"precision": precision, "threshold": threshold}
                 yield "thresholds", settings, Method(precision, threshold=threshold, steps=5000)
     for steps in STEPS:
-        yield "steps", {"steps": steps}, Method(threshold=TIGHT["single"], steps=steps)
-    for newton in NEWTON.get(geometry, ()):
-        yield "newton", {"newton": newton}, Method(threshold=TIGHT["single"], steps=5000, newton=newton)
-    for agm in AGM.get(geometry, ()):
-        yield "agm", {"agm": agm}, Method(threshold=TIGHT["single"], steps=5000, agm=agm)
+        yield "steps", {"steps": steps}, Method("double", threshold=TIGHT["double"], steps=steps)
+    for precision in ("single", "double"):
+        for agm in AGM.get(geometry, ()):
+            settings = {"precision": precision, "agm": agm}
+            yield "agm", settings, Method(precision, threshold=TIGHT[precision], steps=5000, agm=agm)
 
 
 class Probe:
@@ -177,7 +180,7 @@ def measure(geometry: str, device: Device) -> dict[str, Any]:
         reached = [probe.reaches(method) for probe in all_probes]
         timers = [probe.timer(method) for probe in all_probes]
         # Thresholds are held against the plain one of their precision, whose cost the flow has.
-        base = plain.setdefault((knob, method.precision if knob == "thresholds" else ""), timers)
+        base = plain.setdefault((knob, method.precision if knob in ("thresholds", "agm") else ""), timers)
         ratios = [
             statistics.median(timer.run() / other.run() for _ in range(RUNS))
             for timer, other in zip(timers, base, strict=True)
@@ -187,6 +190,7 @@ def measure(geometry: str, device: Device) -> dict[str, Any]:
         tables[knob].append({**settings, "cost": round(cost, 3), "reaches": worst})
         seconds = time.perf_counter() - started
         print(f"{geometry} {k}/{len(rows)} {knob} {tables[knob][-1]} {seconds:.1f} s", file=sys.stderr)
+    tables["newton"] = list(solves(geometry, device))
     info = device.info
     return {
         "geometry": geometry,
@@ -197,6 +201,44 @@ def measure(geometry: str, device: Device) -> dict[str, Any]:
         "allowed": ALLOWED,
         **tables,
     }
+
+
+def solves(geometry: str, device: Device) -> Iterator[dict[str, Any]]:
+    """The rows of Newton's method: it finds the geodesics to lights and the distances to balls, three of
+    them to each of many points. A row reaches the angle within which all but `ALLOWED` of their
+    directions are.
+    """
+    rng = np.random.default_rng(5)
+    ways = rng.normal(size=(RAYS, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    points = Geometry(geometry).flow(ways, rng.uniform(0.1, 12.0, RAYS))[0]
+    base = np.broadcast_to(ORIGIN[geometry], points.shape)
+    for precision in ("single", "double"):
+        plain: Array = np.zeros(0)
+        plain_seconds = 1.0
+        for newton in NEWTON.get(geometry, ()):
+            defines = Method(newton=newton).defines
+            source = Source((*geometry_parts(geometry), "arrays.h", "numerics.cl"), defines)
+            program = ArrayProgram(source, precision, device, None)
+            arrays = [base, points, program.tail(base), program.tail(points)]
+            found, seconds = [], []
+            for _ in range(RUNS):
+                found = [program.run("numerics_geodesic", arrays, 6, k)[:, :3] for k in range(3)]
+                seconds.append(program.seconds)
+            ends = np.concatenate(found)
+            if newton is None:
+                plain, plain_seconds = ends, statistics.median(seconds)
+            apart = np.linalg.norm(ends - plain, axis=1)[np.isfinite(plain).all(axis=1)]
+            worst = float(np.quantile(np.where(np.isnan(apart), np.inf, apart), 1 - ALLOWED))
+            # Not below rounding, which the plain row has too.
+            worst = max(worst, {"single": 2e-6, "double": 1e-7}[precision])
+            reached = [angle for angle in ANGLES if worst <= angle]
+            yield {
+                "precision": precision,
+                "newton": newton,
+                "cost": round(statistics.median(seconds) / plain_seconds, 3),
+                "reaches": reached[-1] if reached else None,
+            }
 
 
 def written(told: dict[str, Any]) -> str:

@@ -11,6 +11,8 @@ import click
 
 from thurston_cl.errors import Interrupted
 
+from .options import check_size
+
 if TYPE_CHECKING:
     from thurston_cl.accuracy.knobs import Row
 
@@ -38,15 +40,11 @@ def report_scene(
     from thurston_cl.accuracy import knobs, knobs_table
     from thurston_cl.device import choose
     from thurston_cl.scene import load_scene
-    from thurston_cl.scene.picture import fitting_size, size_problem
+    from thurston_cl.scene.picture import fitting_size
 
     scene = load_scene(name, defines=defines, sets=sets)
-    shape = scene.camera.projection.kind, scene.camera.layout
-    if size and (problem := size_problem(*shape, size)):
-        width, height = fitting_size(*shape, size)
-        message = f"--size {size[0]}x{size[1]}: {problem[0]}; for example --size {width}x{height}"
-        raise click.UsageError(message)
-    size = size or fitting_size(*shape, SIZE)
+    check_size(scene, size)
+    size = size or fitting_size(scene.camera.projection.kind, scene.camera.layout, SIZE)
     chosen = choose(device)
     start = time.perf_counter()
     rows: list[Row] = []

@@ -12,6 +12,7 @@ from thurston_cl.errors import NoDeviceError
 
 if TYPE_CHECKING:
     from thurston_cl.device import Device
+    from thurston_cl.scene import Scene
 
 SCENE = "Scene"
 OUTPUT = "Output"
@@ -121,23 +122,38 @@ def _parse_accuracy(ctx: click.Context, param: click.Parameter, text: str | None
 
     from thurston_cl.scene.values import accuracy
 
+    is_number = re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*", text)
     try:
-        return accuracy(text)
+        return accuracy(float(text) if is_number else text)
     except PydanticCustomError as error:
-        raise click.BadParameter(error.message()) from error
+        help = (error.context or {}).get("help")
+        raise click.BadParameter(f"{error.message()}; {help}" if help else error.message()) from error
 
 
 def accuracy_option(function: Command) -> Command:
-    """How exact a picture is to be: the argument `accuracy`, a word or an angle in radians, None where not given."""
+    """How exact a picture is to be: the argument `accuracy`, a word or an angle in radians, None where
+    not given.
+    """
     return click.option(
         "--accuracy",
         metavar="WORD|ANGLE",
         callback=_parse_accuracy,
         cls=Option,
         group=RENDERING,
-        help="Take the cheapest method that shows 99.9 % of the pixels that exactly: half-pixel, quarter-pixel, "
-        "draft, reference, or an angle such as '1e-5 rad'. [default: of the scene]",
+        help="Take the cheapest method that shows 99.9 % of the pixels that exactly: half-pixel, "
+        "quarter-pixel, draft, reference, or an angle such as '1e-5 rad'. [default: of the scene]",
     )(function)
+
+
+def check_size(scene: Scene, size: tuple[int, int] | None) -> None:
+    """UsageError for a --size that the scene's projection cannot have."""
+    from thurston_cl.scene.picture import fitting_size, size_problem
+
+    shape = scene.camera.projection.kind, scene.camera.layout
+    if size and (problem := size_problem(*shape, size)):
+        width, height = fitting_size(*shape, size)
+        message = f"--size {size[0]}x{size[1]}: {problem[0]}; for example --size {width}x{height}"
+        raise click.UsageError(message)
 
 
 def check_precision(device: Device, precision: str) -> str:

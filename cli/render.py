@@ -27,6 +27,7 @@ from .options import (
     Option,
     accuracy_option,
     check_precision,
+    check_size,
     device_options,
     parse_crop,
     parse_size,
@@ -46,6 +47,8 @@ EVERY_CHANNEL = ("beauty", "depth", "normal", "steps", "error", "object", "cell"
 HEAT_CHANNELS = ("depth", "steps", "error")
 VIEWS = ("none", "filmic", "aces")
 EXPOSURE_LIMIT = 32.0
+# The exit code of a picture that is not as exact as was asked for.
+ACCURACY_MISSED = 3
 # Pixels that --verify and --verify-mp take, at most: more are no sample any more, or take hours.
 MOST_VERIFIED = 1_000_000
 MOST_VERIFIED_MP = 1000
@@ -142,8 +145,8 @@ def _check_most(ctx: click.Context, param: click.Parameter, most: float | None) 
     type=click.Choice(("beauty", *HEAT_CHANNELS)),
     cls=Option,
     group=OUTPUT,
-    help="What the .png of -o shows: the picture, or a heat map of a ray's length, its number of steps or the "
-    "estimate of its error, from white for 0 to black at --most. [default: beauty]",
+    help="What the .png of -o shows: the picture, or a heat map of a ray's length, its number of steps or "
+    "the estimate of its error, from white for 0 to black at --most. [default: beauty]",
 )
 @click.option(
     "--most",
@@ -278,7 +281,7 @@ def command(
     targets = _targets(loaded, files, channels, _film(files, shows, most, exposure, view))
     for target in targets:
         check_output(target.file, target.channels, force)
-    _check_size(loaded, size)
+    check_size(loaded, size)
     if crop is not None:
         _check_crop(crop, size or loaded.render.size)
     chosen = choose(device)
@@ -319,6 +322,8 @@ def command(
     except KeyboardInterrupt:
         raise Interrupted(f"only {', '.join(written)} written" if written else "nothing written") from None
     _report(image, targets, checked, seconds, noted, as_json=as_json, quiet=quiet)
+    if image.statistics["accuracy"] is not None and not image.statistics["accuracy"]["met"]:
+        click.get_current_context().exit(ACCURACY_MISSED)
 
 
 def _film(
@@ -370,23 +375,12 @@ def _targets(
 
 def _wanted(targets: Sequence[_Target]) -> tuple[str, ...]:
     """The channels that the files need: what is not asked for is not worked out."""
-    if any(target.channels is None for target in targets):
-        return CHANNELS
-    return tuple(name for name in EVERY_CHANNEL if any(name in (target.channels or ()) for target in targets))
+    wanted = {name for target in targets for name in target.channels or CHANNELS}
+    return tuple(name for name in EVERY_CHANNEL if name in wanted)
 
 
 def _is_png(file: str) -> bool:
     return file.lower().endswith(".png")
-
-
-def _check_size(scene: Scene, size: tuple[int, int] | None) -> None:
-    from thurston_cl.scene.picture import fitting_size, size_problem
-
-    shape = scene.camera.projection.kind, scene.camera.layout
-    if size and (problem := size_problem(*shape, size)):
-        width, height = fitting_size(*shape, size)
-        message = f"--size {size[0]}x{size[1]}: {problem[0]}; for example --size {width}x{height}"
-        raise click.UsageError(message)
 
 
 def _check_crop(crop: tuple[int, int, int, int], size: tuple[int, int]) -> None:

@@ -13,9 +13,9 @@ from small_kernels import Body, SmallKernels
 import thurston_cl as tc
 from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
+from thurston_cl.image import CHANNELS
 from thurston_cl.models import GEOMETRIES
 from thurston_cl.program import geometry_parts
-from thurston_cl.rendering import CHANNELS
 from thurston_cl.scene import load_text
 from thurston_cl.scene.placement import CameraFrame, Placement
 from thurston_cl.scene.plan import make_plan

@@ -145,7 +145,8 @@ def both_sides(threshold: float, precision: str) -> NDArray[np.floating]:
 def test_the_head_has_a_row_for_every_function() -> None:
     functions = set(re.findall(r"^FN real (\w+)\(", kernel_text(PART), re.MULTILINE))
     kernels_of_sines = {"sine_kernel", "cosine_kernel"}
-    assert set(stated()) == functions - kernels_of_sines - {"unit_correction"}
+    # Of second order, and without rounding: these have tests of their own, here and in tests/stability.
+    assert set(stated()) == functions - kernels_of_sines - {"unit_correction", "square_scale"}
     assert set(stated()) == set(REFERENCES)
 
 

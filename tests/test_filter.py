@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import qmc
 
 import thurston_cl as tc
-from thurston_cl.rendering import CHANNELS
+from thurston_cl.image import CHANNELS
 from thurston_cl.sampling import FILTERS, GAUSSIAN_DEVIATION, GAUSSIAN_RADIUS, sample_shifts
 from thurston_cl.scene import load_text
 

@@ -328,6 +328,7 @@ SEAMS = {
     "CHORD_W_FROM_SUM": "test_s3_distance_over_the_equator",
     "OPPOSITE_ABOVE": "test_h3_distance_over_the_seam_of_opposite_points",
     "SPLIT_DIRECTION_ABOVE": "test_h3_directions_over_the_seam_of_the_split",
+    "RADIAL_ABOVE": "test_h3_directions_far_out_stay_units_and_outward",
 }
 
 
@@ -472,6 +473,39 @@ def test_h3_directions_over_the_seam_of_the_split(
 
 
 @pytest.mark.parametrize("precision", EPSILON)
+@pytest.mark.parametrize("sense", [1, -1])
+def test_h3_directions_far_out_stay_units_and_outward(
+    opencl_device: Device, precision: str, sense: int
+) -> None:
+    """What a step leaves of a ray over RADIAL_ABOVE: its part along the radius and that along a coordinate
+    which is 0 keep their digits, the part across is noise up to there and none beyond; so its length stays 1.
+    """
+    body = Body(
+        8,
+        4,
+        "point p = POINT(0); vector v = POINT(4); reproject(&p, &v);"
+        "OUT(0, v.x); OUT(1, v.y); OUT(2, v.z); OUT(3, v.w);",
+    )
+    kernels = SmallKernels(opencl_device, geometry_parts("h3"), {"back": body}, precision, LANES)
+    seam = np.arccosh(constant("RADIAL_ABOVE", "geometry/h3.h") / EPSILON[precision])
+    r = seam + np.linspace(-5, 5, 401)
+    outward, level = np.array([0.8, 0.6, 0.0]), 0.6
+    along = sense * np.sqrt(1 - level**2)
+    p = np.column_stack([np.sinh(r)[:, None] * outward, np.cosh(r)])
+    v = np.column_stack([along * np.cosh(r)[:, None] * outward, along * np.sinh(r)])
+    v[:, 2] = level
+    got = kernels.run("back", np.concatenate([p.T, v.T])).T.astype(np.float64)
+    # The squared length of the noise across comes off the rest.
+    noise = np.minimum(7 * EPSILON[precision] * np.cosh(r), 0.05)
+    assert (np.abs(got[:, 3] / np.sinh(r) - along) <= noise).all()
+    assert (np.abs(got[:, 2] - level) <= noise).all()
+    # Beyond, for both coordinates, whatever is across comes from their own rounding.
+    far = r > seam + 1
+    aside = np.abs(got[:, :2] @ [-0.6, 0.8]) / np.cosh(r)
+    assert (aside[far] <= 4 * EPSILON[precision]).all()
+
+
+@pytest.mark.parametrize("precision", EPSILON)
 def test_h3_directions_from_far_away_to_near_the_origin(opencl_device: Device, precision: str) -> None:
     """Seen from far out the neighbourhood of the origin lies straight back, on either side of it."""
     g = geometry("h3", precision, opencl_device)
@@ -530,7 +564,8 @@ def test_directions_are_unit_vectors_however_near_the_point(at: Setting) -> None
         point = np.concatenate([apart[:, None] * axis, np.ones((len(apart), 1))], axis=1)
         directions, lengths = at.g.geodesics(point, 1)
         np.testing.assert_allclose(np.linalg.norm(directions[:, 0], axis=1), 1, rtol=4 * at.epsilon)
-        assert (lengths[:, 0] <= 1.1 * apart).all()
+        # The least numbers are rounded to whole multiples of the least.
+        assert (lengths[:, 0] <= 1.1 * apart + np.finfo(at.kernels.dtype).smallest_subnormal).all()
         # Well above the least number of the precision the direction is known too.
         known = apart > 100 * np.finfo(at.kernels.dtype).tiny / at.epsilon
         np.testing.assert_allclose(

@@ -1,5 +1,5 @@
 """The scenes of the library: that they are listed, what each shows, and that its picture does not depend on
-how it is worked out.
+how it is worked out (in which precision: stability/test_pictures.py).
 """
 
 import re
@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from stability.pictures import check_finite
 
 import thurston_cl as tc
 from thurston_cl.device import Device
@@ -250,8 +251,7 @@ def test_six_lines_make_a_scene():
 def test_scene_renders(name):
     image = picture(name)
     rays = image.statistics["rays"]
-    assert image.statistics["nan"] == 0
-    assert np.isfinite(image.channels["beauty"]).all()
+    check_finite(image)
     least, most = OPEN.get(name, (0.97, 1.0))
     assert least <= image.statistics["hits"] / rays <= most
     # Rays that get nowhere would show as specks.
@@ -280,18 +280,6 @@ def test_refilling_lanes_changes_nothing(name):
         if channel == "steps" and name in COMPOUND:
             continue
         np.testing.assert_array_equal(values, refill.channels[channel], err_msg=channel)
-
-
-@pytest.mark.parametrize("name", COMPARED)
-def test_single_precision_sees_what_double_sees(name, opencl_device: Device):
-    if not opencl_device.info.fp64:
-        pytest.skip("the device has no double precision")
-    single, double = picture(name), picture(name, precision="double")
-    assert share(single.channels["object"] != double.channels["object"]) <= 0.005
-    # Depth may differ only where a ray grazes something.
-    both = np.isfinite(single.channels["depth"]) & np.isfinite(double.channels["depth"])
-    off = np.abs(single.channels["depth"][both] - double.channels["depth"][both])
-    assert share(off > 0.01) <= 0.03
 
 
 # Figure 41: where c is small, the printed formulas of nil are noise.

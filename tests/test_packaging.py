@@ -19,8 +19,9 @@ PACKAGES = {
     "kernels": "thurston_cl/kernels",
     "cli": "thurston_cl/cli",
     "scenes": "thurston_cl/scenes",
+    "benchmarks/accuracy": "thurston_cl/measured",
 }
-SUFFIXES = (".py", ".cl", ".h", ".yaml", ".json", ".typed", ".ocio", ".jpg")
+SUFFIXES = (".py", ".cl", ".h", ".json", ".yaml", ".json", ".typed", ".ocio", ".jpg")
 
 
 def sources(root: Path) -> set[str]:

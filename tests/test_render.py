@@ -9,8 +9,9 @@ import pytest
 
 import thurston_cl as tc
 from thurston_cl.errors import SceneError
+from thurston_cl.image import CHANNELS
 from thurston_cl.program import kernel_text
-from thurston_cl.rendering import CHANNELS, Tile, tiles
+from thurston_cl.rendering import Tile, tiles
 from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import load_text
 from thurston_cl.scene.plan import make_plan

@@ -14,9 +14,9 @@ import thurston_cl as tc
 from thurston_cl.device import Device
 from thurston_cl.errors import SceneError
 from thurston_cl.geometry import Geometry
+from thurston_cl.image import CHANNELS
 from thurston_cl.models import GEOMETRIES
 from thurston_cl.program import geometry_parts
-from thurston_cl.rendering import CHANNELS
 from thurston_cl.scene import load_text
 from thurston_cl.scene.placement import CameraFrame, Placement
 from thurston_cl.scene.plan import Plan, make_plan

@@ -115,9 +115,12 @@ class Geometry:
 
         From the origin it is the identity where frames are transported along these geodesics themselves
         (paper 7.4). In nil and sl2 frames are left-invariant, and it is the matrix Q of paper 9.2 and 10.3.
+        NaN, with a RuntimeWarning, where it is not worked out that far.
         """
         u, t, b = self._rays(direction, time, base)
-        return self._run("transport", [b, u, *self._program.with_tail(t)], 9).reshape(-1, 3, 3)
+        out = self._run("transport", [b, u, *self._program.with_tail(t)], 9)
+        _warn_too_far("transport", "matrices", out, self.precision)
+        return out.reshape(-1, 3, 3)
 
     def distance(self, point: ArrayLike, base: ArrayLike | None = None) -> Array:
         """The exact distance (N,) of `point` (N,4) from `base` (N,4; default the origin)."""
@@ -168,10 +171,13 @@ class Geometry:
 
     def area_density(self, direction: ArrayLike, time: ArrayLike) -> Array:
         """Area of the wave front per solid angle (N,) after `time` (N,) along `direction` (N,3); intensity
-        is its inverse (5.7).
+        is its inverse (5.7). inf where it is more than the precision has numbers for; NaN, with a
+        RuntimeWarning, where it is not worked out that far.
         """
         u, t, _ = self._rays(direction, time, None)
-        return self._run("area_density", [u, *self._program.with_tail(t)], 1)[:, 0]
+        out = self._run("area_density", [u, *self._program.with_tail(t)], 1)
+        _warn_too_far("area_density", "values", out, self.precision)
+        return out[:, 0]
 
     def translate(self, base: ArrayLike, point: ArrayLike) -> Array:
         """translation(base) applied to `point` (N,4): the isometry that carries the origin to `base`."""
@@ -261,6 +267,17 @@ def for_few_points(name: str, device: "Device | None" = None) -> Geometry:
     """
     device = device or devices.choose()
     return Geometry(name, "double" if device.info.fp64 else "single", device, lanes=1)
+
+
+def _warn_too_far(what: str, things: str, out: Array, precision: str) -> None:
+    """Say of how many rows there are no numbers."""
+    unknown = int(np.isnan(out).any(axis=1).sum())
+    if unknown:
+        warnings.warn(
+            f"{what}: {unknown} of {len(out)} {things} are not known: too far away for {precision} precision",
+            RuntimeWarning,
+            stacklevel=3,
+        )
 
 
 def _warn_unsolved(what: str, reached_bound: Array) -> None:

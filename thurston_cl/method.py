@@ -16,10 +16,10 @@ PRECISIONS = ("single", "double")
 class Method:
     """What accuracy and time of a picture depend on, beside what is in it.
 
-    precision: "single" or "double". flow, step: see `thurston_cl.flows.Flow`. threshold: a ray has hit what
-    is nearer than this. steps: the most that a ray may take. newton, agm: the most iterations of any solve and
-    of the arithmetic-geometric mean, None for as many as the precision can use. Raises ValueError for unknown
-    names.
+    precision: "single" or "double". flow, step: see `thurston_cl.flows.Flow`. threshold: a ray has hit
+    what is nearer than this. steps: the most that a ray may take. newton, agm: the most iterations of
+    any solve and of the arithmetic-geometric mean, None for as many as the precision can use. Raises
+    ValueError for unknown names.
     """
 
     precision: str = "single"

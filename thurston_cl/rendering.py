@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from thurston_cl import device as devices
 from thurston_cl.device import Device
 from thurston_cl.errors import ThurstonError
-from thurston_cl.image import CHANNELS, EVERY_CHANNEL, Image
+from thurston_cl.image import EVERY_CHANNEL, Image
 from thurston_cl.method import PRECISIONS, Method
 from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, build_widest
 from thurston_cl.sampling import sample_shifts
@@ -25,7 +25,6 @@ from thurston_cl.scene import schema
 from thurston_cl.scene.picture import View, size_problem, views
 from thurston_cl.scene.plan import Plan, make_plan
 from thurston_cl.scene.texels import images_of
-
 
 # Pixels on a side of a tile: small enough on a CPU to show progress and stop at once, large enough on a GPU
 # to fill it.
@@ -88,21 +87,21 @@ def render(
 ) -> Image:
     """Render a scene to an image with the given channels; the arguments replace what the scene says.
 
-    size: of the whole picture, both eyes included. crop: (left, top, right, bottom) in pixels of that; the
-    image holds that part. method: precision, flow, threshold and steps in place of the scene's, where
-    neither `precision` nor `accuracy` (a word of `render: {accuracy: ...}`, or an angle in radians) is given,
-    which change only that. finish: "packet", "refill" or "auto". progress: called with (done, total) after every
-    tile and sample; what it raises ends the rendering. Channels: beauty (H,W,3) linear Rec.709; depth
-    (H,W), arc length, inf where nothing is hit; normal (H,W,3) in the frame at the hit point; steps (H,W);
-    object (H,W), 0 for nothing, else the number of the object from 1; cell (H,W), 0 for nothing, else the
-    number of the cell from 1, the camera's own, nearest first; error (H,W), an estimate of how far off what
-    is shown may be seen, in radians.
+    size: of the whole picture, both eyes included. crop: (left, top, right, bottom) in pixels of that;
+    the image holds that part. method: precision, flow, threshold and steps in place of the scene's,
+    where neither `precision` nor `accuracy` (a word of `render: {accuracy: ...}`, or an angle in
+    radians) is given, which change only that. finish: "packet", "refill" or "auto". progress: called
+    with (done, total) after every tile and sample; what it raises ends the rendering. Channels: beauty
+    (H,W,3) linear Rec.709; depth (H,W), arc length, inf where nothing is hit; normal (H,W,3) in the
+    frame at the hit point; steps (H,W); object (H,W), 0 for nothing, else the number of the object from
+    1; cell (H,W), 0 for nothing, else the number of the cell from 1, the camera's own, nearest first;
+    error (H,W), an estimate of how far off what is shown may be seen, in radians.
 
-    The image's `statistics` count the work, over all samples: `rays` that were marched and their `steps`;
-    `shadow_steps` and `reflection_steps` of rays that these called for; `light_solves`, geodesics to lights
-    that were solved for; `distance_evaluations` of all rays and of ambient occlusion; and first rays that
-    had `hits`, came to nothing (`nan`) or were `out_of_steps` where that can be seen. Raises SceneError,
-    NoDeviceError, ValueError for arguments that make no sense.
+    The image's `statistics` count the work, over all samples: `rays` that were marched and their
+    `steps`; `shadow_steps` and `reflection_steps` of rays that these called for; `light_solves`,
+    geodesics to lights that were solved for; `distance_evaluations` of all rays and of ambient
+    occlusion; and first rays that had `hits`, came to nothing (`nan`) or were `out_of_steps` where that
+    can be seen. Raises SceneError, NoDeviceError, ValueError for arguments that make no sense.
     """
     started = time.perf_counter()
     settings = scene.render

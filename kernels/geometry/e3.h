@@ -1,5 +1,6 @@
 // e3.h - Euclidean space: the affine space w = 1 of R^4 (paper 7.1), K = 0.
 //
+// RANGE. In double, squares overflow beyond 1e154 from the origin: the bound of the distance is infinite there, distances are not.
 // ACCURACY (maximal relative error, tests/test_golden.py)
 //   points, transport               float 2.1e-7   double 3.3e-16
 //   distance, down to 1e-9 apart    float 2.5e-7   double 2.2e-16   (direction 1.5e-6 in float)
@@ -24,7 +25,9 @@ FN real separation(point p, point q, point p_tail, point q_tail)
 {
   real4_lanes d, sum;
   chord(p, q, p_tail, q_tail, &d, &sum);
-  return sqrt(dot_3(first_3(d), first_3(d)));
+  real back, scale = square_scale(fmax(fmax(fabs(d.x), fabs(d.y)), fabs(d.z)), &back);
+  real3_lanes scaled = scale_3(first_3(d), scale);
+  return back * sqrt(dot_3(scaled, scaled));
 }
 
 // Where q lies from p, in the frame at p, not normalised.

@@ -12,14 +12,14 @@
 //     in which nothing cancels; z and pi in two parts. T < pi/2: pole 0, Newton on H, which is convex. All other roots are
 //     unknown by their distance q from a pole: Newton on (H + 1/2)^(-1/2), nearly linear there.
 //   order of geodesics and the fibre through 0: twisted.h.
-// ACCURACY (maximal error; tests/test_golden_nil.py. Directions are rounded to the precision first, and what that does to a
+// ACCURACY (maximal error; tests/test_golden_nil.py, tests/stability. Directions are rounded to the precision first, and what that does to a
 // long geodesic is in these numbers)
 //   quantity, from 0                                          float     double    relative to
 //   flow: x, y / z;  t from 1e-8 to 1000                      1.7e-7    2.1e-16   t
 //         z                                                   2.6e-7    3.3e-16   itself
 //         direction there;  t < 20 / t < 1000                 2.9e-7    3.0e-16   1; 3.9e-6 in float, t < 1000
 //   transport;  t < 20                                        4.6e-7    8.9e-16   1; t EPSILON/16 at t = 1000
-//   distance and lengths of 7 geodesics                       1.9e-7    4.5e-16   itself
+//   distance and lengths of 7 geodesics                       2.0e-7    4.5e-16   itself
 //   their directions                                          3.3e-7    4.8e-16   1; near a fold EPSILON^(1/2)
 //   area density, off conjugate points (factors > 0.02)       7.7e-6    1.1e-15   itself
 #define HOMOGENEOUS 4

@@ -105,9 +105,21 @@ FN real origin_distance(point p) { return hypotenuse(factor_origin_distance(fact
 // The difference of the line's coordinates, with what single precision cut off them.
 FN real rise_between(point p, point q, point p_tail, point q_tail) { return (q.w - p.w) + (q_tail.w - p_tail.w); }
 
+// The start in the factor with a frame (frame_point); what that moves it by goes into its tail, so that the difference to q stays.
+FN point framed_start(point p, point p_tail, point *tail)
+{
+  point start = factor(p), from = frame_point(start);
+  *tail = factor(p_tail);
+  tail->x += start.x - from.x;
+  tail->y += start.y - from.y;
+  return from;
+}
+
 FN real distance_between(point p, point q, point p_tail, point q_tail, mask *unsolved)
 {
-  real across = factor_distance_between(factor(p), factor(q), factor(p_tail), factor(q_tail), unsolved);
+  // To the last bit what connect_points finds.
+  point from_tail, from = framed_start(p, p_tail, &from_tail);
+  real across = factor_distance_between(from, factor(q), from_tail, factor(q_tail), unsolved);
   return hypotenuse(across, rise_between(p, q, p_tail, q_tail));
 }
 
@@ -117,10 +129,7 @@ FN real distance_between(point p, point q, point p_tail, point q_tail, mask *uns
 // is right and e_x is returned. From a point to itself: the line, with length 0.
 FN connection connect_points(point p, point q, point p_tail, point q_tail, int k)
 {
-  // What frame_point moves the start by goes into its tail, so that the difference to q stays.
-  point start = factor(p), from = frame_point(start), from_tail = factor(p_tail);
-  from_tail.x += start.x - from.x;
-  from_tail.y += start.y - from.y;
+  point from_tail, from = framed_start(p, p_tail, &from_tail);
   connection found = factor_connect_points(from, factor(q), from_tail, factor(q_tail), k);
   // Where every direction is right isotropic.h takes its third, which is none of the factor's.
   direction ahead = found.u;

@@ -3,10 +3,10 @@
 //
 // METHOD. Geodesics between two points wind about S2 both ways, any number of times: product.h. Frames have one singular
 // point, that of S2 opposite o; a frame over it is that of a point next to it, for which the formulas of s3.h do not cancel.
-// ACCURACY (maximal error relative to the largest entry, tests/test_golden_products.py; directions are rounded first)
+// ACCURACY (maximal error relative to the largest entry, tests/test_golden_products.py, tests/stability; directions are rounded first)
 //   quantity                                              float     double
-//   flow: point, velocity, transport; t < 6.3             8.2e-7    1.1e-15
-//   distance and lengths, also near or antipodal points   1.6e-7    3.2e-16
+//   flow: point, velocity, transport; t < 6.3             8.2e-7    1.1e-15   then, on S2, t EPSILON/2
+//   distance and lengths, also near or antipodal points   2.5e-7    3.2e-16
 //   directions of the first 8 geodesics                   3.2e-7    5.9e-16
 //   area density; the worst stands next to a zero         2.6e-5    5.7e-14
 

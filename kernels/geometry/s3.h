@@ -44,9 +44,11 @@ FN real separation(point p, point q, point p_tail, point q_tail)
 {
   real4_lanes d, sum;
   chord(p, q, p_tail, q_tail, &d, &sum);
+  real back, scale = square_scale(fmax(fmax(fabs(d.x), fabs(d.y)), fmax(fabs(d.z), fabs(d.w))), &back);
+  d = scale_4(d, scale);
   real3_lanes spatial = cross_3(first_3(p), first_3(d));
   real3_lanes mixed = add_scaled_3(scale_3(first_3(p), d.w), first_3(d), -p.w);
-  return arc_tangent_2(sqrt(dot_3(spatial, spatial) + dot_3(mixed, mixed)), dot_4(p, q));
+  return arc_tangent_2(back * sqrt(dot_3(spatial, spatial) + dot_3(mixed, mixed)), dot_4(p, q));
 }
 
 // Where q lies from p, in the frame at p, not normalised: the spatial part of untranslate(p, q) = untranslate(p, d) +- o.

@@ -22,15 +22,16 @@
 //   order of geodesics and the fibre through o: twisted.h.
 // RANGE. x, y, z overflow at kappa t = 88 in float, 709 in double (kappa^2 = a^2 - c^2). As in h3, coordinates fix a position to
 // EPSILON e^rho only.
-// ACCURACY (maximal error; tests/test_golden_sl2.py. Directions are rounded to the precision first, and what that does to a
+// ACCURACY (maximal error; tests/test_golden_sl2.py, tests/stability. Directions are rounded to the precision first, and what that does to a
 // long geodesic is in these numbers)
 //   quantity, from o                                          float     double    relative to
 //   flow: x, y, z;  t from 1e-8 to 10                         5.3e-7    1.1e-15   z
 //                   t = 20 to 100                             2.1e-5    3.1e-14   z
+//                   elliptic, to 10,000                       t EPSILON           the most that z comes to
 //         w                                                   1.9e-7    2.7e-16   max(|w|, |u_w t|)
 //         direction there;  t < 10 / t < 100                  2.2e-7    2.0e-16   1; 1.7e-6 in float, t < 100
 //   transport;  t < 10                                        5.2e-7    8.2e-16   1; 5.7e-6, 2.1e-15 for t < 100
-//   distance and lengths of 5 geodesics                       2.1e-7    6.7e-16   itself
+//   distance and lengths of 5 geodesics                       2.8e-7    6.7e-16   itself
 //   their directions                                          2.2e-7    4.5e-16   1; near a fold EPSILON^(1/2)
 //   area density, off conjugate points, t < 10                3.6e-6    4.9e-15   itself
 //                                       t = 20 to 100         1.1e-4    1.7e-13   itself

@@ -7,9 +7,9 @@
 // besides, which is integrated by Gauss's rule.
 // RANGE. In float up to t = 87, in double up to t = 160/mu: further, e^t overflows on the way of what starts next to the vertical, and
 // PHASE_END is passed.
-// ACCURACY (maximal error; tests/test_golden_sol.py, tests/test_sol_flow.py. Directions and times are rounded to the precision first)
+// ACCURACY (maximal error; tests/test_golden_sol.py, tests/test_sol_flow.py, tests/stability. Directions and times are rounded to the precision first)
 //   quantity, from 0                                    float     double    relative to
-//   point, in the metric there;  t from 1e-5 to 100     6.0e-7    1.1e-15   max(1, size of (x, y, z) there); where t < 1, to t
+//   point, in the metric there;  t from 1e-5 to 100     6.1e-7    1.1e-15   max(1, size of (x, y, z) there); where t < 1, to t
 //   direction there;  t <= 3                            7.6e-7    1.1e-15   1
 //                     t <= 30                           2.0e-6    4.9e-15   1
 //                     t <= 100                          1.7e-5    2.5e-14   1

@@ -100,6 +100,26 @@ FN real log_1p(real x)
 // 1/sqrt(n) for n near 1: one Newton step from 1, whose error is 3/8 (n - 1)^2. For undoing rounding.
 FN real unit_correction(real n) { return fma(REAL(C(-0.5)), n, REAL(C(1.5))); }
 
+// Sizes whose squares would vanish or overflow, and the power of two that brings them to where they do not.
+#ifdef FP64
+#define SQUARES_VANISH_BELOW 0x1p-400
+#define SQUARES_OVERFLOW_ABOVE 0x1p400
+#define SQUARE_SCALE 0x1p600
+#define SQUARE_SCALE_BACK 0x1p-600
+#else
+#define SQUARES_VANISH_BELOW 0x1p-40f
+#define SQUARES_OVERFLOW_ABOVE 0x1p40f
+#define SQUARE_SCALE 0x1p80f
+#define SQUARE_SCALE_BACK 0x1p-80f
+#endif
+// What to scale by before the sum of squares of numbers up to this size is formed, without rounding; *back is its inverse.
+FN real square_scale(real size, real *back)
+{
+  mask small = size < REAL(SQUARES_VANISH_BELOW), large = size > REAL(SQUARES_OVERFLOW_ABOVE);
+  *back = SELECT(small, REAL(SQUARE_SCALE_BACK), SELECT(large, REAL(SQUARE_SCALE), REAL(1)));
+  return SELECT(small, REAL(SQUARE_SCALE), SELECT(large, REAL(SQUARE_SCALE_BACK), REAL(1)));
+}
+
 // asinh x for x >= 0, from x + x^2/(1 + sqrt(1 + x^2)) written so that no square overflows.
 FN real area_sinh(real x)
 {

@@ -12,11 +12,13 @@
 // (tests/test_accuracy_pictures.py compares with the geodesics that lead to the points).
 
 // How far a geodesic beside another is from it at the start of a step: differences are as exact as this, and rounded to EPSILON over it.
-#define VERIFY_ASIDE C(1e-6)
+#define VERIFY_ASIDE C(1e-8)
 // The longest step: a field grows by so much in it (e^1) that the geodesics stay beside each other.
 #define VERIFY_STEP 1
 // Teleport passes after a step, at most: a step of length 1 crosses a few walls, in sol one may stand for many.
 #define VERIFY_PASSES 64
+// How far along the geodesic an image may be that is taken for the least turn of the direction.
+#define VERIFY_AHEAD 2
 // Rounds in which the method's point is looked for over walls: a point over an edge is over two of them.
 #define VERIFY_ROUNDS 2
 
@@ -151,12 +153,23 @@ FN void unravel(carried c, direction d, real area, real *a, real *b)
   *b = SELECT(flat, REAL(INFINITY), dot_3(c.u, cross_3(c.value[0], d)) * inverse);
 }
 
+// The square of what an image of the method's point is to have the least of: its distance, or the turn to it.
+FN real farness(carried c, direction d, real area, int by_turn)
+{
+  if (!by_turn) return dot_3(d, d);
+  real a, b;
+  unravel(c, d, area, &a, &b);
+  return SELECT(fabs(dot_3(c.u, d)) < REAL(VERIFY_AHEAD), fma(a, a, b * b), REAL(INFINITY));
+}
+
 // column 0, row 1, place in the pixel 2-3, turn of the direction 4-5, length 6, the method's point 7-10 and velocity 11-14, how far at
 // most that point is from the surface 15 (a bound that holds along the ray alone says less)
 // -> turn that is missing 0-1, length that is missing 2, distance to the point 3, area of the fields 4; the point of the surface
-// nearest to the method's: turn that is missing to it 5-6, and itself 7-10
-// `walls` is where the buffer has `images` isometries that lead over walls.
-__kernel void verify_carry(ARRAYS, SCENE_TABLES, int walls, int images)
+// nearest to the method's: turn that is missing to it 5-6, and itself 7-10; products of the fields 11-13
+// The buffer has, from `first` on, `images` isometries: the point counts that is nearest of those which they, and then they again, make
+// of the method's; or with `by_turn`, of those which they make, the point to which the least turn leads. That is for geodesics which
+// part so fast that an error far below a pixel leads many cells aside.
+__kernel void verify_carry(ARRAYS, SCENE_TABLES, int first, int images, int by_turn)
 {
   scene_data scene = {numbers, next_cell, seen_from, texels};
   ray r = verify_start(in, out, stride, scene);
@@ -196,22 +209,26 @@ __kernel void verify_carry(ARRAYS, SCENE_TABLES, int walls, int images)
   point foot = on_model(translate(q, at_offset(scale_3(normal, -down / sqrt(dot_3(normal, normal))))));
   put_4(foot, 7, out, stride);
 
-  // They may stand beyond a wall: the image counts that is nearest.
+  // They may stand in another cell.
+  real area = dot_3(c.u, cross_3(c.value[0], c.value[1]));
   direction d = offset_from(c.p, q);
-  for (int round = 0; round < VERIFY_ROUNDS; round++) {
+  real least = farness(c, d, area, by_turn);
+  for (int round = by_turn ? 1 : 0; round < VERIFY_ROUNDS; round++) {
     point from = q, foot_from = foot;
     for (int k = 0; k < images; k++) {
-      int isometry = walls + 4 * HOMOGENEOUS * k;
+      int isometry = first + 4 * HOMOGENEOUS * k;
       point other = on_model(apply(scene, isometry, from));
       direction offset = offset_from(c.p, other);
-      mask nearer = dot_3(offset, offset) < dot_3(d, d);
+      real far = farness(c, offset, area, by_turn);
+      mask nearer = far < least;
+      if (!ANY(nearer)) continue;
+      least = SELECT(nearer, far, least);
       d = select_3(nearer, offset, d);
       q = select_4(nearer, other, q);
       foot = select_4(nearer, on_model(apply(scene, isometry, foot_from)), foot);
     }
   }
 
-  real area = dot_3(c.u, cross_3(c.value[0], c.value[1]));
   unravel(c, d, area, &a, &b);
   put(a, 0, out, stride);
   put(b, 1, out, stride);
@@ -221,4 +238,7 @@ __kernel void verify_carry(ARRAYS, SCENE_TABLES, int walls, int images)
   unravel(c, offset_from(c.p, foot), area, &a, &b);
   put(a, 5, out, stride);
   put(b, 6, out, stride);
+  put(dot_3(c.value[0], c.value[0]), 11, out, stride);
+  put(dot_3(c.value[0], c.value[1]), 12, out, stride);
+  put(dot_3(c.value[1], c.value[1]), 13, out, stride);
 }

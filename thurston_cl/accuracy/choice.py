@@ -22,6 +22,8 @@ _EXACT_DOUBLE = {"precision": "double", "flow": "exact", "step": None}
 # A row has to be so much better than what is asked for: errors of several settings add up, and no scene is
 # one of the probes.
 MARGIN = 2.0
+# A row is taken instead of a plainer one only for so much less time: ratios are no surer than that.
+WORTH = 0.95
 
 
 @dataclass(frozen=True)
@@ -79,8 +81,8 @@ def method_of(
 ) -> tuple[Method, Choice | None]:
     """How a scene is worked out on a device, and where an accuracy was asked for how that was chosen.
 
-    size, accuracy: in place of the scene's; `accuracy` also in place of what else its settings say. precision:
-    the only one that may be used.
+    size, accuracy: in place of the scene's; `accuracy` also in place of what else its settings say.
+    precision: the only one that may be used.
     """
     asked = scene.render.accuracy if accuracy is None else accuracy
     if asked is None:
@@ -150,17 +152,23 @@ def _of_precision(geometry: str, named: str, target: float, precision: str) -> C
     """The cheapest settings of one precision that reach the target each, or those that come nearest to it."""
     settings: dict[str, Any] = {}
     cost, estimated = 1.0, 0.0
-    for knob, rows in measured(geometry).items():
+    for rows in measured(geometry).values():
         fitting = [row for row in rows if row.settings.get("precision", precision) == precision]
         if not fitting:
             continue
         good = [row for row in fitting if row.reaches is not None and MARGIN * row.reaches <= target]
-        row = min(good, key=lambda row: row.cost) if good else min(fitting, key=_by_accuracy)
+        row = _cheapest(good) if good else min(fitting, key=_by_accuracy)
         settings |= row.settings
         cost *= row.cost
         estimated = max(estimated, math.inf if row.reaches is None else row.reaches)
     method = Method(**settings)
     return Choice(named, target, estimated, estimated <= target, cost, method)
+
+
+def _cheapest(rows: Sequence[Row]) -> Row:
+    """The first, which is the plainest, unless another is worth it."""
+    best = min(rows, key=lambda row: row.cost)
+    return best if best.cost <= WORTH * rows[0].cost else rows[0]
 
 
 def _by_accuracy(row: Row) -> tuple[float, float]:

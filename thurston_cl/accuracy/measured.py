@@ -1,4 +1,6 @@
-"""What each setting costs and reaches, as `benchmarks/accuracy.py` has measured it: benchmarks/accuracy/*.json."""
+"""What each setting costs and reaches, as `benchmarks/accuracy.py` has measured it:
+benchmarks/accuracy/*.json.
+"""
 
 import functools
 import json
@@ -13,16 +15,17 @@ KNOBS = {
     "flows": ("precision", "flow", "step"),
     "thresholds": ("precision", "threshold"),
     "steps": ("steps",),
-    "newton": ("newton",),
-    "agm": ("agm",),
+    "newton": ("precision", "newton"),
+    "agm": ("precision", "agm"),
 }
 
 
 @dataclass(frozen=True)
 class Row:
-    """One setting: `settings` are fields of Method. cost: its time, as a multiple of that of the table's plain
-    row, whose other settings are the same; median over the probes. reaches: the smallest of the tabulated angles, in radians, within which all but
-    `ALLOWED` of the pixels of every probe are; None where they are within none.
+    """One setting: `settings` are fields of Method. cost: its time, as a multiple of that of the table's
+    plain row, whose other settings are the same; median over the probes. reaches: the smallest of the
+    tabulated angles, in radians, within which all but `ALLOWED` of the pixels of every probe are; None
+    where they are within none.
     """
 
     settings: Mapping[str, Any]

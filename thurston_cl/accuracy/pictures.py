@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from thurston_cl import device as devices
 from thurston_cl.accuracy.pixel import half_pixels
-from thurston_cl.accuracy.rays import Array, Ends, ExactRays, Flags, Places, Rays
+from thurston_cl.accuracy.rays import Array, Ends, ExactRays, Flags, Offsets, Places, Rays
 from thurston_cl.device import Device
 from thurston_cl.method import Method
 from thurston_cl.scene import schema
@@ -47,14 +47,23 @@ _IN_DISC = 40
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 # An angle to first order is worked out again, by Newton's method from there, where it is above this share of
-# half a pixel, so that what is near to it is right.
+# half a pixel; and above the second where so large a part of it may be beyond first order.
 _REFINED_ABOVE = 0.25
-_NEWTON_STEPS = 8
+_REFINED_FROM = 0.02
+_BENT = 0.1
+_NEWTON_STEPS = 16
 # No further at once, in radians and in length: where fields are nearly parallel first order leads far away.
 _MOST_TURN = 0.05
-_MOST_LENGTH = 0.5
-# It has come to the point where no more than this is missing, as a share of half a pixel.
+_MOST_LENGTH = 0.1
+# It has come to the point where no more than this is missing, as a share of the angle or half a pixel, and
+# where the point is so near: one farther away may be meant in another image.
 _ENOUGH = 0.01
+_FAR = 0.1
+# Other images are looked for where half a pixel covers so much, in so many places on either side, so far
+# apart.
+_CROWDED = 1.0
+_ASIDE = 12
+_APART = 3.0
 
 
 @dataclass(frozen=True)
@@ -227,23 +236,63 @@ def _angles(
     """The angle error (N,) and that of what is shown (N,), in radians, and the area (N,) of a solid angle of
     1 there.
     """
-    first = exact.offsets(places, np.zeros((len(places), 2)), ends.length, ends, reach)
-    feet = dataclasses.replace(ends, point=first.foot)
-    angle = _refined(exact, places, ends, first.turn, first.length, half)
-    shown = _refined(exact, places, feet, first.shown, first.length, half)
-    return angle, shown, first.area
+    found = exact.offsets(places, np.zeros((len(places), 2)), ends.length, ends, reach)
+    if exact.scene.lattice is not None:
+        off = ~(np.hypot(*found.turn.T) <= _REFINED_FROM * half)
+        far = np.flatnonzero(off & (found.distance > _FAR) & (found.widest[1] * half > _CROWDED))
+        _look_aside(exact, places, ends, half, reach, found, far)
+    feet = dataclasses.replace(ends, point=found.foot)
+    angle = _refined(exact, places, ends, found.turn, found, half)
+    shown = _refined(exact, places, feet, found.shown, found, half)
+    return angle, shown, found.area
 
 
-def _refined(exact: ExactRays, places: Places, ends: Ends, turn: Array, ahead: Array, half: Array) -> Array:
-    """The angles (N,) of turns (N,2) that lead to first order to the points of `ends`, `ahead` (N,) of their
-    length.
+def _look_aside(
+    exact: ExactRays,
+    places: Places,
+    ends: Ends,
+    half: Array,
+    reach: Array,
+    found: Offsets,
+    far: NDArray[np.intp],
+) -> None:
+    """Take other images of the points of `far` places where a smaller turn leads to them, and put that into
+    `found`.
 
-    By Newton's method where they are no small share of half a pixel. Where that does not come to the point,
-    as behind a fold of the wave front, where no direction leads to it, first order stands.
+    Where geodesics part like e^t, an error of rounding leads cells aside, and then the nearest image is any.
+    So they are looked for where the geodesics of turns within half a pixel are, along the direction in which
+    these part the most.
+    """
+    aside, width = found.widest
+    for k in (0, *(sign * k for k in range(1, _ASIDE + 1) for sign in (1, -1))):
+        shift = k * _APART / width[far]
+        far, shift = far[np.abs(shift) < half[far]], shift[np.abs(shift) < half[far]]
+        far_left = ~(np.hypot(*found.turn[far].T) <= _REFINED_FROM * half[far])
+        far, shift = far[far_left], shift[far_left]
+        if len(far) == 0:
+            break
+        at = shift[:, None] * aside[far]
+        other = exact.offsets(places[far], at, ends.length[far], ends[far], reach[far], by_turn=True)
+        turn = at + other.turn
+        better = np.hypot(*turn.T) < np.hypot(*found.turn[far].T)
+        found.turn[far[better]] = turn[better]
+        found.shown[far[better]] = (at + other.shown)[better]
+        found.length[far[better]] = other.length[better]
+        found.distance[far[better]] = other.distance[better]
+
+
+def _refined(exact: ExactRays, places: Places, ends: Ends, turn: Array, first: Offsets, half: Array) -> Array:
+    """The angles (N,) of turns (N,2) that lead to first order to the points of `ends`, which are `first` off.
+
+    By Newton's method where they are no small share of half a pixel, or far from first order. Where that does
+    not come to the point, as behind a fold of the wave front, where no direction leads to it, the larger of
+    the first and the last angle stands.
     """
     angle = np.minimum(np.hypot(*turn.T), np.pi)
-    going = np.flatnonzero(~(angle <= _REFINED_ABOVE * half))
-    step, ahead = turn[going], ahead[going]
+    # Beyond first order is about the square of the distance, over what a turn moves the point by at least.
+    bent = first.distance**2 * first.widest[1] > _BENT * angle * first.area
+    going = np.flatnonzero(~(angle <= _REFINED_ABOVE * half) | (bent & (angle > _REFINED_FROM * half)))
+    step, ahead = turn[going], first.length[going]
     at, length, nowhere = np.zeros((len(going), 2)), ends.length[going], np.zeros(len(going))
     for _ in range(_NEWTON_STEPS):
         if len(going) == 0:
@@ -255,10 +304,12 @@ def _refined(exact: ExactRays, places: Places, ends: Ends, turn: Array, ahead: A
             length = np.maximum(length + np.nan_to_num(ahead * share), 0.0)
         found = exact.offsets(places[going], at, length, ends[going], nowhere)
         step, ahead = found.turn, found.length
-        there = np.hypot(*step.T) <= _ENOUGH * half[going]
-        angle[going[there]] = np.hypot(*(at + step)[there].T)
+        missing, reached = np.hypot(*step.T), np.hypot(*(at + step).T)
+        there = (missing <= _ENOUGH * np.maximum(reached, half[going])) & (found.distance < _FAR)
+        angle[going[there]] = reached[there]
         going, at, length = going[~there], at[~there], length[~there]
         step, ahead, nowhere = step[~there], ahead[~there], nowhere[~there]
+    angle[going] = np.maximum(angle[going], np.minimum(np.hypot(*(at + step).T), np.pi))
     return angle
 
 

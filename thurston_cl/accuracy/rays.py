@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from thurston_cl.arrays import ArrayProgram
 from thurston_cl.device import Device
 from thurston_cl.errors import NoDeviceError
+from thurston_cl.lattice import elements
 from thurston_cl.method import Method
+from thurston_cl.models import HOMOGENEOUS
 from thurston_cl.program import Source
 from thurston_cl.scene import schema
 from thurston_cl.scene.picture import Size
@@ -35,6 +37,8 @@ TRUTH_STEPS = 20000
 # Lanes on a CPU, at most: few rays are marched, so that a narrow program, which is built in half of the time,
 # is the faster one.
 MOST_LANES = 8
+# Images of a point that are looked at for the one with the least turn, at most.
+IMAGES = 400
 # Numbers of a plan that are replaced here: where kernels/scene_types.h has them.
 _HIT_THRESHOLD = 0
 
@@ -98,8 +102,8 @@ class Ends:
 class Offsets:
     """How far points are from exact geodesics, to first order: by which turn (N,2) of the direction at the
     eye and by which length (N,) they are missed; their `distance` (N,); the `area` (N,) that a solid angle of
-    1 has at this length; and by which turn (N,2) their `foot` (N,4) is missed, the point of the surface that
-    is nearest to them.
+    1 has at this length; by which turn (N,2) their `foot` (N,4) is missed, the point of the surface that is
+    nearest to them; and of the two `fields` that turns make the products (N,3) 1 with 1, 1 with 2, 2 with 2.
     """
 
     turn: Array
@@ -108,9 +112,18 @@ class Offsets:
     area: Array
     shown: Array
     foot: Array
+    fields: Array
 
     def __getitem__(self, which: Which) -> "Offsets":
         return Offsets(*_of_each(self, which))
+
+    @property
+    def widest(self) -> tuple[Array, Array]:
+        """The turn (N,2) of length 1 that moves the point the most, and how much it does (N,)."""
+        first, mixed, second = self.fields.T
+        angle = 0.5 * np.arctan2(2 * mixed, first - second)
+        square = 0.5 * (first + second + np.hypot(first - second, 2 * mixed))
+        return np.stack([np.cos(angle), np.sin(angle)], axis=1), np.sqrt(square)
 
 
 class Rays:
@@ -175,7 +188,7 @@ class Rays:
         """March the rays of places; threshold and steps in place of the method's."""
         near = self.method.threshold if threshold is None else threshold
         most = self.method.steps if steps is None else steps
-        out = self._run("verify_trace", places, [], 13, most, threshold=near)
+        out = self._run("verify_trace", places, [], 12 + self._estimates, most, threshold=near)
         marched = out[:, 2] >= 0
         lost = ~np.isfinite(out[:, 0])
         return Ends(
@@ -238,29 +251,44 @@ class ExactRays(Rays):
             plain["tracer"] = "direct"
         settings = scene.render.model_copy(update=plain)
         super().__init__(scene.model_copy(update={"render": settings}), method, device, size, lanes)
-        lattice = scene.lattice
-        self._over_walls = np.zeros((0, 4, 4)) if lattice is None else np.asarray(lattice.over_walls)[:, :4]
+        none = np.zeros((0, 4, 4))
+        self._over_walls = none if scene.lattice is None else scene.lattice.over_walls[:, :4]
+        # All numbers have to fit.
+        room = device.context.devices[0].max_constant_buffer_size // 8 - len(self._eyes[0])
+        count = min(IMAGES, room // (4 * HOMOGENEOUS[scene.geometry]))
+        self._around = none if scene.lattice is None else elements(scene.lattice, count)[:, :4]
 
-    def offsets(self, places: Places, turn: Array, length: Array, ends: Ends, near: Array) -> Offsets:
+    def offsets(
+        self,
+        places: Places,
+        turn: Array,
+        length: Array,
+        ends: Ends,
+        near: Array,
+        by_turn: bool = False,
+    ) -> Offsets:
         """How far the points of `ends` are from the exact geodesics of places after a length (N,), with the
         direction at the eye turned by `turn` (N,2) radians along two axes across it. Those points are no
         farther than `near` (N,) from a surface.
 
-        Behind the walls of a manifold's cell the image of the point counts that is nearest.
+        In a manifold the image of the point counts that is nearest, in the cell or beyond its walls; or, of
+        all that are near, the one with the least turn (`by_turn`): where geodesics part fast, that may be
+        some cells from where the geodesic is.
         """
+        images = self._around if by_turn else self._over_walls
         arrays = [turn, length[:, None], ends.point, ends.velocity, near[:, None]]
-        images = self._over_walls
         out = self._run(
             "verify_carry",
             places,
             arrays,
-            11,
+            14,
             len(self._eyes[0]),
             len(images),
+            int(by_turn),
             threshold=self.method.threshold,
             more=images,
         )
-        return Offsets(out[:, :2], out[:, 2], out[:, 3], out[:, 4], out[:, 5:7], out[:, 7:])
+        return Offsets(out[:, :2], out[:, 2], out[:, 3], out[:, 4], out[:, 5:7], out[:, 7:11], out[:, 11:])
 
 
 def _of_each(arrays: Places | Ends | Offsets, which: Which) -> Iterator[NDArray[Any]]:

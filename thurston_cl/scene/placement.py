@@ -30,6 +30,9 @@ PARALLEL = 1e-9
 # Coordinates, and e^|z| in sol, beyond this have lost all digits of what is near them: in h3 and along z in
 # sol, 27 from the origin.
 FARTHEST = 1e12
+# There is no frame right at the antipode of the origin of s3: a camera there stands so far beside it, towards
+# x. That is far below what can be seen, and its square is a normal number of single precision.
+ANTIPODE_OFFSET = 1e-12
 X_AXIS = np.array([1.0, 0.0, 0.0])
 Z_AXIS = np.array([0.0, 0.0, 1.0])
 # All rotations of sol about the origin: none, and half turns about [0, 0, 1], [1, 1, 0] and [1, -1, 0].
@@ -117,6 +120,8 @@ class CameraFrame:
         self._place = place
         self._element = identity(place.geometry.name)
         self.point = place.point(camera.at)
+        if place.geometry.name == "s3" and self.point[3] < 0 and not self.point[:3].any():
+            self.point[0] = ANTIPODE_OFFSET
         forward = np.asarray(camera.look.along, dtype=np.float64)
         if camera.look.to is not None:
             directions, lengths = place.geometry.geodesics(place.point(camera.look.to), 1, base=self.point)

@@ -181,8 +181,9 @@ def make_plan(
 
     Places things with the kernels of `device`, in double where it has that, whatever the precision of
     the picture. `size` and `method` (or `precision` and `accuracy`, of which the method follows) replace
-    the scene's, `channels` are wanted beside those of the scene's outputs. `switch`: see `Writer`; for measurements only. Raises SceneError for what can only
-    be seen here, such as a camera that no group element leads into the cell.
+    the scene's, `channels` are wanted beside those of the scene's outputs. `switch`: see `Writer`; for
+    measurements only. Raises SceneError for what can only be seen here, such as a camera that no group
+    element leads into the cell.
     """
     device = device or devices.choose()
     wanted = {channel for output in scene.outputs for channel in output.channels} | set(channels)

@@ -1,7 +1,7 @@
 """How a picture is worked out, and the files it goes to."""
 
-from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -20,7 +20,6 @@ from .values import (
     Seed,
     Steps,
 )
-
 
 # What an accuracy chooses.
 CHOSEN = ("precision", "flow", "flow-step", "threshold", "steps")
@@ -53,9 +52,9 @@ class RenderSettings(Node):
     )
     accuracy: Accuracy | None = Field(
         default=None,
-        description="How far off what a pixel shows may be seen, at 99.9 % of the pixels: `half-pixel`, half of "
-        "that as `quarter-pixel`, two pixels as `draft`, an angle, or `reference`, as little as can be. The "
-        "cheapest precision, flow, threshold, steps and iterations are taken that reach it by what was "
+        description="How far off what a pixel shows may be seen, at 99.9 % of the pixels: `half-pixel`, half "
+        "of that as `quarter-pixel`, two pixels as `draft`, an angle, or `reference`, as little as can be. "
+        "The cheapest precision, flow, threshold, steps and iterations are taken that reach it by what was "
         "measured ([docs/accuracy.md](accuracy.md)). Left out: what the keys below say.",
     )
     precision: Literal["auto", "single", "double"] = Field(
@@ -149,14 +148,14 @@ class Output(Node):
     channels: Annotated[tuple[Channel, ...], AtLeast(1)] = Field(
         default=("beauty",),
         description="What an `.exr` holds: the picture, length of the ray, normal, number of the object, "
-        "number of the cell, steps of the ray, and an estimate of how far off, in radians, what is shown may be "
-        "seen (`error`).",
+        "number of the cell, steps of the ray, and (`error`) an estimate of how far off, in radians, what is "
+        "shown may be seen.",
     )
     shows: Literal["beauty", "depth", "steps", "error"] = Field(
         default="beauty",
         description="What a `.png` shows: the picture, or, as a heat map, the length of each ray, the "
-        "number of its steps or the estimate of its error. White is 0, black is `most` and more, and grays between them are even in sRGB. "
-        "Of the first ray of a pixel, as in the channels of an `.exr`.",
+        "number of its steps or the estimate of its error. White is 0, black is `most` and more, and "
+        "grays between them are even in sRGB. Of the first ray of a pixel, as in the channels of an `.exr`.",
     )
     most: Positive | None = Field(
         default=None,

@@ -1,0 +1,1 @@
+"""The stability suite: hard cases, gathered, of geometries and of whole pictures."""

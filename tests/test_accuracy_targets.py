@@ -1,0 +1,386 @@
+"""Accuracy targets: the cheapest method by what was measured, what a picture tells of it, and exit code 3."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import thurston_cl as tc
+from thurston_cl.accuracy import choice as module
+from thurston_cl.accuracy.choice import MARGIN, REFERENCE, WORDS, Choice, choose_method, flow_error
+from thurston_cl.accuracy.measured import ALLOWED, KNOBS, Row, measured
+from thurston_cl.accuracy.pictures import all_places
+from thurston_cl.accuracy.pixel import half_pixels
+from thurston_cl.accuracy.rays import Rays
+from thurston_cl.accuracy.verify import verify
+from thurston_cl.cli.main import main
+from thurston_cl.device import Device
+from thurston_cl.image import read_image
+from thurston_cl.method import Method
+from thurston_cl.models import GEOMETRIES
+from thurston_cl.scene import load_scene, load_text
+from thurston_cl.scene.plan import make_plan
+from thurston_cl.scene.schema import Scene
+
+BALL = "geometry: nil\nobjects: [{ball: {radius: 0.5}, at: [0, 1.2, 0]}]\n"
+# The tile of figure 1 in each geometry asks for half a pixel.
+TILES = [
+    "e3/three-torus-edges",
+    "s3/quaternion-edges",
+    "h3/ideal-cube",
+    "s2xe/hopf-manifold-tile",
+    "h2xe/orbi-torus-tile",
+    "nil/heisenberg-tile",
+    "sl2/genus-two-tile",
+    "sol/anosov-tile",
+]
+
+
+def asking(accuracy: str, more: str = "") -> Scene:
+    return load_text(f"{BALL}render: {{accuracy: {accuracy}{more}}}\n")
+
+
+def half(scene: Scene) -> float:
+    return float(half_pixels(scene.camera, scene.render.size, 0.0, 0.0))
+
+
+# -- the tables ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_every_geometry_was_measured(geometry: str) -> None:
+    """Each table begins with the plain row, which costs 1; what is finer reaches more and is not free."""
+    tables = measured(geometry)
+    assert set(tables) == set(KNOBS)
+    plain = Method()
+    for knob in ("flows", "thresholds", "steps"):
+        first = tables[knob][0]
+        assert first.cost == 1
+        assert all(getattr(plain, name) == value for name, value in first.settings.items()), knob
+    fine = [row for row in tables["thresholds"] if row.settings["precision"] == "double"]
+    fine.sort(key=lambda row: -row.settings["threshold"])
+    reached = [math.inf if row.reaches is None else row.reaches for row in fine]
+    assert reached == sorted(reached, reverse=True)
+    assert reached[-1] <= 1e-6
+    exact = {row.settings["precision"]: row for row in tables["flows"] if row.settings["flow"] == "exact"}
+    assert exact["double"].reaches is not None and exact["single"].reaches is not None
+    assert exact["double"].reaches < exact["single"].reaches
+    assert exact["double"].cost > 1
+    assert (len(tables["newton"]) > 0) == (geometry in ("nil", "sl2", "sol"))
+    assert (len(tables["agm"]) > 0) == (geometry == "sol")
+    assert 2 * ALLOWED <= 1e-3
+
+
+def rows(*entries: tuple[dict[str, Any], float, float | None]) -> tuple[Row, ...]:
+    return tuple(Row(*entry) for entry in entries)
+
+
+EXACT = {"precision": "single", "flow": "exact", "step": None}
+DOUBLE = EXACT | {"precision": "double"}
+RK4 = {"precision": "single", "flow": "rk4", "step": 0.1}
+
+
+def table(**knobs: tuple[Row, ...]) -> dict[str, tuple[Row, ...]]:
+    """Tables in which only the given ones say something."""
+    known = {
+        "flows": rows((EXACT, 1, 1e-5), (DOUBLE, 3, 1e-9)),
+        "thresholds": rows(
+            *(({"precision": p, "threshold": 1e-4}, 1, 1e-9) for p in ("single", "double")),
+        ),
+        "steps": rows(({"steps": 300}, 1, 1e-9)),
+        "newton": (),
+        "agm": (),
+    }
+    return known | knobs
+
+
+def chosen(
+    tables: dict[str, tuple[Row, ...]], target: float, monkeypatch: pytest.MonkeyPatch, **more: Any
+) -> Choice:
+    monkeypatch.setattr(module, "measured", lambda geometry: tables)
+    return choose_method(load_text(BALL), target, **more)
+
+
+def test_a_row_has_to_be_better_by_the_margin(monkeypatch: pytest.MonkeyPatch) -> None:
+    """MARGIN, on both sides: errors of several settings add up."""
+    thresholds = rows(
+        ({"precision": "single", "threshold": 1e-3}, 1.0, 1e-3),
+        ({"precision": "single", "threshold": 1e-5}, 2.0, 1e-6),
+    )
+    known = table(flows=rows((EXACT, 1, 1e-9)), thresholds=thresholds)
+    only = {"precisions": ["single"]}
+    assert chosen(known, MARGIN * 1.001e-3, monkeypatch, **only).method.threshold == 1e-3
+    assert chosen(known, MARGIN * 0.999e-3, monkeypatch, **only).method.threshold == 1e-5
+
+
+def test_a_row_is_taken_for_its_time_only_if_it_is_worth_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """WORTH, on both sides: the exact flow stands unless an integrator is cheaper by more than noise."""
+    for share, flow in ((1.01, "exact"), (0.99, "rk4")):
+        flows = rows((EXACT, 1, 1e-5), (RK4, share * module.WORTH, 1e-5))
+        found = chosen(table(flows=flows), 1e-3, monkeypatch, precisions=["single"])
+        assert found.method.flow == flow
+
+
+def test_double_precision_where_single_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of what reaches the target the cheapest; where nothing does the most accurate, and it says so."""
+    assert chosen(table(), 1e-4, monkeypatch).method.precision == "single"
+    found = chosen(table(), 1e-6, monkeypatch)
+    assert (found.method.precision, found.met, found.cost, found.estimated) == ("double", True, 3, 1e-9)
+    missed = chosen(table(), 1e-6, monkeypatch, precisions=["single"])
+    assert (missed.method.precision, missed.met, missed.estimated) == ("single", False, 1e-5)
+    assert "which is not reached" in missed.words
+    beyond = chosen(table(), 1e-12, monkeypatch)
+    assert not beyond.met and beyond.method.precision == "double"
+
+
+def test_costs_multiply_and_the_worst_setting_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = table(
+        thresholds=rows(({"precision": "single", "threshold": 1e-5}, 1.5, 2e-5)),
+        steps=rows(({"steps": 600}, 1.2, 1e-6)),
+        newton=rows(({"precision": "single", "newton": 6}, 0.5, 1e-6)),
+        agm=rows(({"precision": "double", "agm": 5}, 0.5, 1e-6)),
+    )
+    found = chosen(known, 1e-4, monkeypatch, precisions=["single"])
+    assert found.cost == pytest.approx(0.9)
+    assert found.estimated == 2e-5
+    assert found.method == Method("single", threshold=1e-5, steps=600, newton=6)
+
+
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_words_ask_for_more_and_more(geometry: str) -> None:
+    """draft, half-pixel, quarter-pixel and reference: targets in halves of a pixel, and no cheaper each."""
+    scene = load_text(BALL.replace("nil", geometry))
+    found = {word: choose_method(scene, word) for word in (*WORDS, "reference")}
+    for word, halves in WORDS.items():
+        assert found[word].target == pytest.approx(halves * half(scene))
+        assert found[word].met
+        assert found[word].estimated <= found[word].target / MARGIN
+    costs = [choice.cost for choice in found.values()]
+    assert all(after >= before * module.WORTH for before, after in itertools.pairwise(costs)), costs
+    assert found["reference"].method == REFERENCE and found["reference"].met
+    single = choose_method(scene, "reference", ["single"])
+    assert single.method.precision == "single" and not single.met
+
+
+def test_a_large_picture_needs_more() -> None:
+    scene = load_text(BALL)
+    small, large = (choose_method(scene, "half-pixel", size=size) for size in ((320, 180), (15360, 8640)))
+    assert large.target < small.target / 40
+    assert large.method.threshold < small.method.threshold
+
+
+def test_what_is_known_of_a_flow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Other steps by the order of the flow, never better than rounding; infinite where nothing is known."""
+    flows = rows((EXACT, 1, 1e-6), (RK4, 1, 1e-4), (RK4 | {"flow": "rk2"}, 1, None))
+    monkeypatch.setattr(module, "measured", lambda geometry: table(flows=flows))
+    assert flow_error("nil", Method()) == 1e-6
+    assert flow_error("nil", Method(flow="rk4", step=0.1)) == 1e-4
+    assert flow_error("nil", Method(flow="rk4", step=0.2)) == pytest.approx(16e-4)
+    assert flow_error("nil", Method(flow="rk4", step=0.01)) == 1e-6
+    assert flow_error("nil", Method(flow="rk2", step=0.1)) == math.inf
+    assert flow_error("nil", Method("double")) == math.inf
+
+
+# -- in scenes, pictures and on the command line -------------------------------------------------------------
+
+
+def test_a_plan_says_what_was_chosen(opencl_device: Device) -> None:
+    plan = make_plan(asking("quarter-pixel"), device=opencl_device)
+    assert plan.choice is not None and plan.method == plan.choice.method
+    assert plan.explain()["accuracy"].startswith("quarter-pixel, 0.000")
+    assert plan.numbers[0] == plan.method.threshold
+    assert plan.source.defines.items() >= plan.method.defines.items()
+    plain = make_plan(load_text(BALL), device=opencl_device)
+    assert plain.choice is None and plain.explain()["accuracy"] == "not asked for: the plain settings"
+
+
+def test_an_angle_is_as_good_as_a_word() -> None:
+    assert asking("1e-5 rad").render.accuracy == 1e-5
+    assert asking("0.001 deg").render.accuracy == pytest.approx(math.radians(0.001))
+    scene = load_text(BALL)
+    assert choose_method(scene, half(scene)).method == choose_method(scene, "half-pixel").method
+
+
+def test_bounds_of_iterations_reach_the_program(opencl_device: Device) -> None:
+    """newton and agm are defines of the program, and change what it finds."""
+    ball = "objects: [{ball: {radius: 0.5}, at: [0, 1.2, 0]}]"
+    scene = load_text(f"geometry: sol\n{ball}\nrender: {{size: [64, 36]}}\n")
+    # In single precision short steps do without the mean.
+    exact = Method("double")
+    plain = Rays(scene, exact, opencl_device)
+    places = all_places(scene)
+    want = plain.trace(places)
+    for few, enough in (({"agm": 1}, {"agm": 9}), ({"newton": 1}, {"newton": 64})):
+        method = dataclasses.replace(exact, **few)
+        source = make_plan(scene, device=opencl_device, method=method).source
+        assert source.defines.items() >= method.defines.items()
+        same = Rays(scene, dataclasses.replace(exact, **enough), opencl_device).trace(places)
+        assert np.array_equal(same.length, want.length, equal_nan=True)
+    assert np.isfinite(want.length[want.hit]).any()
+    poor = Rays(scene, dataclasses.replace(exact, agm=1), opencl_device).trace(places)
+    assert not np.array_equal(poor.length, want.length, equal_nan=True)
+
+
+def test_a_picture_tells_its_accuracy(tmp_path: Path, opencl_device: Device) -> None:
+    """Requested and estimated, in the statistics and in the file."""
+    scene = asking("half-pixel")
+    image = tc.render(scene, device=opencl_device, size=(64, 36), samples=1)
+    told = image.statistics["accuracy"]
+    assert told["requested"] == "half-pixel" and told["met"]
+    assert 0 < told["estimated"] <= told["target"]
+    image.save(tmp_path / "a.exr")
+    settings = json.loads(read_image(tmp_path / "a.exr").metadata["settings"])
+    assert settings["accuracy"] == told
+    assert settings["threshold"] == image.statistics["method"]["threshold"]
+    plain = tc.render(load_text(BALL), device=opencl_device, size=(64, 36), samples=1)
+    assert plain.statistics["accuracy"] is None
+
+
+def test_a_method_leaves_nothing_open(opencl_device: Device) -> None:
+    with pytest.raises(ValueError, match="a method has its precision and accuracy"):
+        tc.render(load_text(BALL), device=opencl_device, method=Method(), accuracy="draft")
+
+
+def render(*arguments: str, scene: str = BALL) -> Result:
+    Path("scene.yaml").write_text(scene)
+    standard = ["render", "scene.yaml", "-o", "a.exr", "--size", "64x36", "--samples", "1", "--force"]
+    return CliRunner().invoke(main, [*standard, *arguments], prog_name="thurston")
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.usefixtures("here")
+def test_exit_code_3_with_the_picture_written() -> None:
+    """Single precision does not reach a ten millionth of a radian: it renders, warns, and exits with 3."""
+    result = render("--accuracy", "1e-7 rad", "--precision", "single", "--json")
+    assert result.exit_code == 3, result.stderr
+    assert "thurston: warning: the accuracy is not reached: 1e-07 rad, 1e-07 rad: single" in result.stderr
+    assert Path("a.exr").exists()
+    assert json.loads(result.stdout)["accuracy"]["met"] is False
+    assert render("--accuracy", "half-pixel").exit_code == 0
+
+
+@pytest.mark.usefixtures("here")
+def test_a_device_without_double_precision(monkeypatch: pytest.MonkeyPatch, opencl_device: Device) -> None:
+    """It renders in single precision what asks for more."""
+    lesser = dataclasses.replace(opencl_device.info, fp64=False)
+    monkeypatch.setattr(type(opencl_device), "info", lesser, raising=False)
+    monkeypatch.setattr("thurston_cl.device.choose", lambda name=None: _Without(opencl_device, lesser))
+    result = render("--accuracy", "reference")
+    assert result.exit_code == 3, result.stderr
+    assert "single precision" in result.stderr
+
+
+class _Without:
+    """A device that says it has no double precision."""
+
+    def __init__(self, device: Device, info: Any) -> None:
+        self._device, self.info = device, info
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._device, name)
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("0.5", "an angle needs a unit: write '0.5 rad'"),
+        ("pixel", "expected one of half-pixel, quarter-pixel, draft, reference, or an angle, found 'pixel'"),
+        ("0 rad", "an accuracy is an angle greater than 0 and at most 180 deg"),
+    ],
+)
+def test_what_is_no_accuracy(value: str, message: str) -> None:
+    result = render("--accuracy", value)
+    assert result.exit_code == 2
+    assert message in " ".join(result.stderr.split())
+
+
+@pytest.mark.usefixtures("here")
+def test_the_command_line_has_the_last_word() -> None:
+    """--accuracy stands in place of what the scene says of accuracy, threshold and precision."""
+    scene = BALL + "render: {threshold: 1e-2, precision: double}\n"
+    result = render("--accuracy", "half-pixel", "--json", scene=scene)
+    assert result.exit_code == 0, result.stderr
+    told = json.loads(result.stdout)
+    assert told["method"]["threshold"] < 1e-2 and told["precision"] == "single"
+
+
+@pytest.mark.usefixtures("here")
+def test_explain_states_the_choice() -> None:
+    Path("scene.yaml").write_text(BALL)
+    result = CliRunner().invoke(main, ["explain", "scene.yaml", "--accuracy", "1e-6 rad", "--json"])
+    told = json.loads(result.stdout)
+    assert told["accuracy"]["requested"] == "1e-06 rad"
+    assert told["method"]["precision"] == "double"
+    assert "double precision" in told["explanation"]["arithmetic"]
+    assert told["explanation"]["accuracy"].startswith("1e-06 rad, 1e-06 rad: double precision, exact flow")
+
+
+# -- the estimate of each pixel ------------------------------------------------------------------------------
+
+
+def test_the_error_channel(opencl_device: Device) -> None:
+    """What the flow misses, and the threshold as it is seen from the eye: larger on what is near."""
+    scene = load_text(BALL)
+    near, far = 1e-3, 1e-5
+    shown = {
+        threshold: tc.render(
+            scene,
+            device=opencl_device,
+            size=(64, 36),
+            samples=1,
+            channels=("error", "object", "depth"),
+            method=Method(threshold=threshold),
+        ).channels
+        for threshold in (near, far)
+    }
+    hit = shown[near]["object"] > 0
+    assert hit.any() and not hit.all()
+    flow = flow_error("nil", Method())
+    assert shown[near]["error"][~hit] == pytest.approx(flow)
+    for threshold in (near, far):
+        error, depth = shown[threshold]["error"][hit], shown[threshold]["depth"][hit].astype(float)
+        # In nil the area density is about the square of the depth where that is small.
+        assert np.all(np.abs((error - flow) * depth / threshold - 1) < 0.2)
+    assert "error" not in tc.render(scene, device=opencl_device, size=(8, 8), samples=1).channels
+    assert "error.h" not in make_plan(scene, device=opencl_device).parts
+
+
+@pytest.mark.usefixtures("here")
+def test_a_heat_map_of_the_error() -> None:
+    result = render("-o", "a.png", "--shows", "error", "--most", "1e-3")
+    assert result.exit_code == 0, result.stderr
+    assert read_image("a.exr").channels.keys() >= {"beauty"}
+    assert "error" not in read_image("a.exr").channels
+    assert render("--channels", "beauty,error").exit_code == 0
+    assert read_image("a.exr").channels["error"].max() < 0.1
+
+
+# -- half a pixel is half a pixel ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", TILES)
+def test_half_a_pixel_is_reached(name: str, opencl_device: Device) -> None:
+    """The tiles of the library ask for half a pixel, and at least 99.9 % of pixels drawn by chance are within
+    it; and those with the largest estimate, of which more are not, are few beside the whole picture.
+    """
+    scene = load_scene(name)
+    assert scene.render.accuracy == "half-pixel"
+    plan = make_plan(scene, device=opencl_device)
+    assert plan.choice is not None and plan.choice.met
+    found = verify(scene, 1000, plan.method, opencl_device)
+    assert found.drawn.summary["over_half_pixel"] <= 1e-3, found.words
+    width, height = scene.render.size
+    assert found.suspected.over.sum() <= 1e-3 * width * height, found.words
