@@ -64,6 +64,7 @@ EYES = {
 }
 # What is far hides in fog in the cells, as in scenes: where directions part like e^t it would be noise.
 FOG = dict.fromkeys(("h3", "h2xe", "sl2", "sol"), 0.5) | dict.fromkeys(("s3", "s2xe"), 0.25)
+FAR = {"h3": 15, "h2xe": 15, "sl2": 15, "sol": 15, "s3": 12, "s2xe": 40, "e3": 100, "nil": 100}
 FOG |= dict.fromkeys(("e3", "nil"), 0.1)
 # How far the balls of the open probe are, and how large.
 REACH = dict.fromkeys(GEOMETRIES, 6.0) | {"s3": 2.9}
@@ -98,7 +99,7 @@ def probes(geometry: str) -> list[Scene]:
     eye = f"camera: {{at: {EYES[geometry]}, look: {{along: [-1, 0.5, 0.25]}}, fov: 90 deg}}"
     fog = f"effects: {{fog: {{exponential: {{density: {FOG[geometry]}}}}}}}"
     start = "camera: {at: [0.05, 0.03, 0.02], look: {along: [1, 0.4, 0.1]}, fov: 120 deg}"
-    head, more = f"geometry: {geometry}", "render: {size: [320, 192]}"
+    head, more = f"geometry: {geometry}", f"render: {{size: [320, 192], far: {FAR[geometry]}}}"
     return [
         load_text(f"{head}\n{CELLS[geometry]}\n{eye}\n{fog}\n{more}"),
         load_text(f"{head}\n{space}\n{start}\n{more}"),

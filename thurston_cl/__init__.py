@@ -1,8 +1,8 @@
 """thurston_cl: an OpenCL renderer and numerical back-end for Thurston's geometries.
 
-    import thurston_cl as tc
-    g = tc.Geometry("h3")                     # numerics over arrays: flow, distance, geodesics, area density
-    image = tc.render(tc.load_scene("h3/seifert-weber"))  # image.channels["beauty"], ["depth"], ... are arrays
+import thurston_cl as tc
+g = tc.Geometry("h3")                     # numerics over arrays: flow, distance, geodesics, area density
+image = tc.render(tc.load_scene("h3/seifert-weber"))  # image.channels["beauty"], ["depth"], ... are arrays
 """
 
 import importlib
