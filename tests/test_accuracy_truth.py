@@ -142,3 +142,9 @@ def test_displacement_knows_the_sheets_of_sl2() -> None:
     x, y, z, w = start
     turned = displacement("sl2", start, [x, y, z, mp.fadd(w, 4 * mp.pi)])
     assert float(turned[2]) == pytest.approx(4 * float(mp.pi))
+
+
+def test_no_turn_about_a_fiber_is_lost_however_fast() -> None:
+    # Up the fiber by 50 in one unit of time, and once more at the slowest.
+    assert float(flow("sl2", [0, 0, 50], 1)[0][3]) == pytest.approx(50, rel=1e-14)
+    assert float(flow("sl2", [0, 0, -1e-3], 50000)[0][3]) == pytest.approx(-50, rel=1e-14)

@@ -36,7 +36,7 @@ DIGITS_FOR_LENGTH = 1 / math.log(10)
 GUARD_DIGITS = 15
 # Terms of a series for each digit: the sum of all steps' work has its flat minimum there.
 TERMS_FOR_DIGIT = 1.3
-# The argument of Z turns by less than |w'|/2 <= 0.71 for each unit of length: no step loses a turn of it.
+# In sl2 the argument of Z turns by |w'|/2 <= 0.71 for each unit of length: no step this long loses a turn.
 LONGEST_STEP = 4
 
 
@@ -67,8 +67,14 @@ def flow(
         return _straight(geometry, p, u, mp.mpf(time))
 
 
-def _integrate(start: list[Real], derivative: Equation, time: Real, turn: Callable[..., None]) -> list[Real]:
-    """The components at `time`; `turn(before, after)` is told of every step."""
+def _integrate(
+    start: list[Real],
+    derivative: Equation,
+    time: Real,
+    longest: Real = mp.inf,
+    turn: Callable[..., None] | None = None,
+) -> list[Real]:
+    """The components at `time`, by steps of at most `longest`; `turn(before, after)` is told of each."""
     order = math.ceil(TERMS_FOR_DIGIT * mp.dps)
     y, left = list(start), time
     while left:
@@ -76,13 +82,14 @@ def _integrate(start: list[Real], derivative: Equation, time: Real, turn: Callab
         for n in range(order):
             for component, rate in zip(series, derivative(series, n), strict=True):
                 component.append(rate / (n + 1))
-        step = min(abs(left), LONGEST_STEP, *(_reach(series, n) for n in (order - 1, order)))
+        step = min(abs(left), longest, *(_reach(series, n) for n in (order - 1, order)))
         step *= mp.sign(left)
         powers = [mp.one]
         for _ in range(order):
             powers.append(powers[-1] * step)
         after = [mp.fdot(component, powers) for component in series]
-        turn(y, after)
+        if turn is not None:
+            turn(y, after)
         y, left = after, left - step
     return y
 
@@ -96,10 +103,6 @@ def _reach(series: list[Series], n: int) -> Real:
 def _product(a: Series, b: Series, n: int) -> Real:
     """The coefficient of order n of the product of two series."""
     return mp.fdot(a[: n + 1], b[n::-1])
-
-
-def _no_turn(before: list[Real], after: list[Real]) -> None:
-    pass
 
 
 def _straight(geometry: str, p: list[Real], u: list[Real], time: Real) -> tuple[list[Real], list[Real]]:
@@ -118,7 +121,7 @@ def _straight(geometry: str, p: list[Real], u: list[Real], time: Real) -> tuple[
     def derivative(series: list[Series], n: int) -> list[Real]:
         return [v[n] for v in series[half:]] + [stiffness * q[n] for q in series[:half]]
 
-    y = _integrate([*x, w, *velocity], derivative, time, _no_turn)
+    y = _integrate([*x, w, *velocity], derivative, time)
     q, v = y[:half], y[half:]
     back = [b - a * v[across] / (1 + q[across]) for a, b in zip(q[:across], v[:across], strict=True)]
     if not product:
@@ -132,7 +135,7 @@ def _nil(p: list[Real], u: list[Real], time: Real) -> tuple[list[Real], list[Rea
         rise = (_product(x, b, n) - _product(y, a, n)) / 2
         return [a[n], b[n], rise if n else rise + u[2], -u[2] * b[n], u[2] * a[n]]
 
-    *point, a, b = _integrate([*p[:3], u[0], u[1]], derivative, time, _no_turn)
+    *point, a, b = _integrate([*p[:3], u[0], u[1]], derivative, time)
     return [*point, mp.one], [a, b, u[2]]
 
 
@@ -160,7 +163,9 @@ def _sl2(p: list[Real], u: list[Real], time: Real) -> tuple[list[Real], list[Rea
     start_z = mp.sqrt((p[2] + 1) / 2) * mp.expj(angle)
     start_e = mp.mpc(p[0], p[1]) / mp.sqrt(2 * (p[2] + 1)) * mp.expj(-angle)
     start = [start_z.real, start_z.imag, start_e.real, start_e.imag, u[0], u[1]]
-    p0, p1, p2, p3, a, b = _integrate(start, derivative, time, turn)
+    speed = mp.norm(u)
+    longest = LONGEST_STEP / speed if speed else mp.inf
+    p0, p1, p2, p3, a, b = _integrate(start, derivative, time, longest, turn)
     over = 2 * mp.mpc(p0, p1) * mp.mpc(p2, p3)
     return [over.real, over.imag, 1 + 2 * (p2 * p2 + p3 * p3), 2 * angle], [a, b, c]
 
@@ -180,7 +185,7 @@ def _sol(p: list[Real], u: list[Real], time: Real) -> tuple[list[Real], list[Rea
         ]
 
     start = [*p[:3], mp.exp(p[2]), mp.exp(-p[2]), *u]
-    x, y, z, _, _, a, b, c = _integrate(start, derivative, time, _no_turn)
+    x, y, z, _, _, a, b, c = _integrate(start, derivative, time)
     return [x, y, z, mp.one], [a, b, c]
 
 
