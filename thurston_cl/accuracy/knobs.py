@@ -29,8 +29,8 @@ STEP_LIMITS = (50, 100, 200, 300, 600)
 GOOD = 1e-3
 # A method that is not so much cheaper than another is no better: timings differ by as much.
 WORTH = 0.05
-# Pictures are timed so often, in turn with the scene's own, at least and at most, as the seconds allow: a device
-# that others use as well is not as fast from one moment to the next.
+# Pictures are timed so often, in turn with the scene's own, at least and at most, as the seconds allow: a
+# device that others use as well is not as fast from one moment to the next.
 RUNS = (3, 15)
 MOST_SECONDS = 2.0
 
