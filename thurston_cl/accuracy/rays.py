@@ -153,7 +153,7 @@ class Rays:
         self.method = method
         self.device = device
         self.size = size or scene.render.size
-        plan = make_plan(scene, device=device, size=self.size, method=method)
+        plan = make_plan(_uncolored(scene), device=device, size=self.size, method=method)
         self._eyes = plan.eyes
         self._estimates = estimate
         defines = {"VERIFY_ESTIMATE": 1, "ERROR_CHANNEL": len(plan.numbers)} if estimate else {}
@@ -296,6 +296,17 @@ class ExactRays(Rays):
 
 def _of_each(arrays: Places | Ends | Offsets, which: Which) -> Iterator[NDArray[Any]]:
     return (getattr(arrays, field.name)[which] for field in dataclasses.fields(arrays))
+
+
+def _uncolored(scene: schema.Scene) -> schema.Scene:
+    """The scene with objects in a plain color: where rays end does not depend on it, and patterns take long
+    to compile.
+    """
+    plain = {"color": schema.Material().color}
+    objects = tuple(
+        item.model_copy(update={"material": item.material.model_copy(update=plain)}) for item in scene.objects
+    )
+    return scene.model_copy(update={"objects": objects})
 
 
 def _of_rays(source: Source, parts: tuple[str, ...], defines: Mapping[str, int]) -> Source:

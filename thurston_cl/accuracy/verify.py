@@ -18,8 +18,10 @@ from thurston_cl.scene.picture import Area, Size
 SEED = 1
 # So many of the worst pixels are named.
 NAMED = 5
-# Pixels among which those with the largest estimate are looked for, at most: all of an ordinary picture.
-MOST_CANDIDATES = 1 << 20
+# Pixels among which those with the largest estimate are looked for, for each of these, and at least: all of a
+# small picture, and of a large one as many as take no longer than the picture.
+CANDIDATES = 20
+LEAST_CANDIDATES = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ def verify(
     seed: int = SEED,
 ) -> Verification:
     """Trace `count` pixels of a picture again, drawn by chance, each at one of its samples, and as many with
-    the largest estimated error, at their first sample.
+    the largest estimated error, at their first sample; of a large picture those of a random part.
 
     method: that of the picture. size, samples, area (left, top, right, bottom): of the picture, the scene's
     where they are None. Where a picture has fewer pixels all of them are traced. Raises as
@@ -90,9 +92,10 @@ def verify(
     drawn = random_places(scene, count, size, samples, area, seed)
     pixels = all_places(scene, size, _shifts(scene, samples)[0], area)
     candidates = pixels
-    if len(pixels) > MOST_CANDIDATES:
-        random = np.random.default_rng(seed)
-        candidates = pixels[np.sort(random.choice(len(pixels), MOST_CANDIDATES, replace=False))]
+    most = max(CANDIDATES * count, LEAST_CANDIDATES)
+    if len(pixels) > most:
+        chosen = np.random.default_rng(seed).choice(len(pixels), most, replace=False)
+        candidates = pixels[np.sort(chosen)]
     ends = rays.trace(candidates)
     # Rays that came to no end may be anywhere.
     estimate = np.where(ends.lost | ends.out_of_steps, np.inf, ends.estimate)
