@@ -36,7 +36,7 @@ from thurston_cl.scene.schema import Scene
 
 FOLDER = Path(__file__).parent / "accuracy"
 # From two pixels of a small picture to what double precision is for.
-ANGLES = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 1e-7)
+ANGLES = (1e-2, 3e-3, 1e-3, 5e-4, 2e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-7)
 RAYS = 4000
 # The picture whose rays are timed.
 TIMED_SIZE = (160, 96)
@@ -62,6 +62,9 @@ EYES = {
     "sl2": "[1.2, 0.9, 0.9]",
     "sol": "[0.16, 0.13, 0.3]",
 }
+# What is far hides in fog in the cells, as in scenes: where directions part like e^t it would be noise.
+FOG = dict.fromkeys(("h3", "h2xe", "sl2", "sol"), 0.5) | dict.fromkeys(("s3", "s2xe"), 0.25)
+FOG |= dict.fromkeys(("e3", "nil"), 0.1)
 # How far the balls of the open probe are, and how large.
 REACH = dict.fromkeys(GEOMETRIES, 6.0) | {"s3": 2.9}
 
@@ -93,10 +96,11 @@ def probes(geometry: str) -> list[Scene]:
         balls.append(f"{{ball: {{radius: {0.2 + 0.02 * k:.2f}}}, at: {[round(float(c), 3) for c in at]}}}")
     space = f"objects: [{', '.join(balls)}]"
     eye = f"camera: {{at: {EYES[geometry]}, look: {{along: [-1, 0.5, 0.25]}}, fov: 90 deg}}"
+    fog = f"effects: {{fog: {{exponential: {{density: {FOG[geometry]}}}}}}}"
     start = "camera: {at: [0.05, 0.03, 0.02], look: {along: [1, 0.4, 0.1]}, fov: 120 deg}"
-    head, more = f"geometry: {geometry}", "render: {size: [320, 192], far: 12}"
+    head, more = f"geometry: {geometry}", "render: {size: [320, 192]}"
     return [
-        load_text(f"{head}\n{CELLS[geometry]}\n{eye}\n{more}"),
+        load_text(f"{head}\n{CELLS[geometry]}\n{eye}\n{fog}\n{more}"),
         load_text(f"{head}\n{space}\n{start}\n{more}"),
     ]
 

@@ -70,7 +70,8 @@ def ends_at(geometry: Geometry, point: Array, direction: Array, length: Array) -
     if geometry.name not in LEFT_INVARIANT:
         velocity = geometry.velocity(point, direction)
     flags = np.ones(len(point), dtype=bool)
-    return Ends(length, 0 * length, flags, flags, ~flags, point, velocity, flags.astype(np.intp), 0 * length)
+    objects = flags.astype(np.intp)
+    return Ends(length, 0 * length, flags, flags, ~flags, point, velocity, objects, flags * 1.0, 0 * length)
 
 
 def mismatch(a: Array, b: Array) -> Array:
@@ -296,6 +297,19 @@ def test_what_is_shown_within_half_a_pixel_is_right(opencl_device: Device) -> No
         edge = found.id_differs
         assert edge.sum() >= 5
         assert found.over[edge].mean() < 0.1 if right else found.over[edge].mean() > 0.5
+
+
+def test_what_fog_hides_is_not_seen(opencl_device: Device) -> None:
+    """Rays that go no farther than 2.5, in front of a wall that fog hides, or does not."""
+    text = """
+geometry: e3
+camera: {look: {along: [1, 0, 0]}}
+objects: [{half-space: {normal: [-1, 0, 0], offset: -3}}]
+effects: {fog: {linear: {length: AWAY}}}
+"""
+    for away, hidden in ((2.9, True), (9.0, False)):
+        scene = load_text(text.replace("AWAY", str(away)))
+        assert (errors(scene, Method(steps=1), opencl_device, SIZE).summary["over_half_pixel"] == 0) == hidden
 
 
 def test_rays_that_are_lost_show_the_background(opencl_device: Device) -> None:

@@ -1,9 +1,8 @@
 """thurston_cl: an OpenCL renderer and numerical back-end for Thurston's geometries.
 
-import thurston_cl as tc
-g = tc.Geometry("h3")                      # numerics over arrays: flow, distance, geodesics, area density,
-... image = tc.render(tc.load_scene("h3/seifert-weber"))   # image.channels["beauty"], ["depth"], ... are
-arrays
+    import thurston_cl as tc
+    g = tc.Geometry("h3")                     # numerics over arrays: flow, distance, geodesics, area density
+    image = tc.render(tc.load_scene("h3/seifert-weber"))  # image.channels["beauty"], ["depth"], ... are arrays
 """
 
 import importlib
@@ -14,6 +13,7 @@ if TYPE_CHECKING:
     from thurston_cl.errors import NoDeviceError, SceneError, ThurstonError
     from thurston_cl.geometry import Geometry
     from thurston_cl.image import Image
+    from thurston_cl.method import Method
     from thurston_cl.rendering import render
     from thurston_cl.scene import load_scene
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _HOME = {
     "Geometry": "geometry",
     "Image": "image",
+    "Method": "method",
     "NoDeviceError": "errors",
     "SceneError": "errors",
     "ThurstonError": "errors",
@@ -32,6 +33,7 @@ _HOME = {
 __all__ = [
     "Geometry",
     "Image",
+    "Method",
     "NoDeviceError",
     "SceneError",
     "ThurstonError",

@@ -25,7 +25,7 @@ __kernel void verify_view(ARRAYS, SCENE_TABLES)
 }
 
 // column 0, row 1, place in the pixel 2-3 -> length 0, steps 1, end 2, point 3-6, velocity 7-10, object 11,
-// where it is asked for the estimate of its error 12
+// the fraction of what is seen there that fog leaves 12, where it is asked for the estimate of its error 13
 __kernel void verify_trace(ARRAYS, SCENE_TABLES, int max_steps)
 {
   scene_data scene = {numbers, next_cell, seen_from, texels};
@@ -50,7 +50,14 @@ __kernel void verify_trace(ARRAYS, SCENE_TABLES, int max_steps)
   put_4(r.p, 3, out, stride);
   put_4(r.v, 7, out, stride);
   put(SELECT(marched & (r.hit | r.spent), object, REAL(0)), 11, out, stride);
+#ifdef SKY
+  // Behind everything is no fog.
+  real far = REAL(0);
+#else
+  real far = REAL(INFINITY);
+#endif
+  put(scene_clear(SELECT(r.hit | r.spent, r.t, far), scene), 12, out, stride);
 #ifdef VERIFY_ESTIMATE
-  put(error_estimate(r, scene), 12, out, stride);
+  put(error_estimate(r, scene), 13, out, stride);
 #endif
 }

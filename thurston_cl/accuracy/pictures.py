@@ -18,8 +18,8 @@ A viewer does not see where a ray ends but what the pixel shows. So a pixel is *
   the threshold, so that what grazes a surface is displaced, and what meets it head on is not.
 
 Where the truth is finer than a pixel, as far away in a cell of finite volume, any of what is within half a
-pixel is right. A ray that came to nothing (NaN) shows the background. Light, mirrors and fog are not
-compared.
+pixel is right, and so is anything that fog hides in both. A ray that came to nothing (NaN) shows the
+background. Light and mirrors are not compared.
 """
 
 import dataclasses
@@ -39,6 +39,9 @@ from thurston_cl.scene.picture import Area, Size, views
 
 # Percentiles that are told of errors.
 PERCENTILES = {"50": 50.0, "95": 95.0, "99": 99.0, "99.9": 99.9, "max": 100.0}
+
+# What fog leaves less of is not seen: half a step of 8 bits.
+SEEN = 1 / 512
 
 # Where the truth is looked at within half a pixel: on the circle, and where that shows nothing like it more
 # closely, on a spiral that fills the disc.
@@ -62,8 +65,10 @@ _FAR = 0.1
 # Other images are looked for where half a pixel covers so much, in so many places on either side, so far
 # apart.
 _CROWDED = 1.0
-_ASIDE = 12
+_ASIDE = 100
 _APART = 3.0
+# Beyond so many places the first that is well within half a pixel will do.
+_ASIDE_NEAR = 12
 
 
 @dataclass(frozen=True)
@@ -188,6 +193,8 @@ def compare(
     # NaN counts as wrong, with `not ... <=`.
     elsewhere = hit & ~(shown <= half)
     strange = differ | (both & ~(np.abs(depth) <= tolerance))
+    hidden = (ends.clear < SEEN) & (truth.clear < SEEN)
+    elsewhere, strange = elsewhere & ~hidden, strange & ~hidden
     suspects = np.flatnonzero(strange & ~elsewhere)
     for offsets in (_circle(_ON_CIRCLE), _disc(_IN_DISC)):
         k = suspects
@@ -267,7 +274,8 @@ def _look_aside(
     for k in (0, *(sign * k for k in range(1, _ASIDE + 1) for sign in (1, -1))):
         shift = k * _APART / width[far]
         far, shift = far[np.abs(shift) < half[far]], shift[np.abs(shift) < half[far]]
-        far_left = ~(np.hypot(*found.turn[far].T) <= _REFINED_FROM * half[far])
+        enough = _REFINED_FROM if abs(k) <= _ASIDE_NEAR else _REFINED_ABOVE
+        far_left = ~(np.hypot(*found.turn[far].T) <= enough * half[far])
         far, shift = far[far_left], shift[far_left]
         if len(far) == 0:
             break

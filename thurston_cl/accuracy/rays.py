@@ -75,8 +75,9 @@ class Places:
 class Ends:
     """What rays come to: their length (N,), NaN where they are lost; steps (N,); whether they are `marched`,
     which they are not outside a round picture, `hit`, or ran `out_of_steps` (N,); point and velocity (N,4)
-    there; the number of the object that they show (N,), 0 for the background; and, where the rays were made
-    to tell, an estimate of their angle error (N,) in radians, without what is alike for all: else 0.
+    there; the number of the object that they show (N,), 0 for the background; the fraction (N,) of what they
+    show that fog leaves; and, where the rays were made to tell, an estimate of their angle error (N,) in
+    radians, without what is alike for all: else 0.
     """
 
     length: Array
@@ -87,6 +88,7 @@ class Ends:
     point: Array
     velocity: Array
     object: NDArray[np.intp]
+    clear: Array
     estimate: Array
 
     def __getitem__(self, which: Which) -> "Ends":
@@ -188,7 +190,7 @@ class Rays:
         """March the rays of places; threshold and steps in place of the method's."""
         near = self.method.threshold if threshold is None else threshold
         most = self.method.steps if steps is None else steps
-        out = self._run("verify_trace", places, [], 12 + self._estimates, most, threshold=near)
+        out = self._run("verify_trace", places, [], 13 + self._estimates, most, threshold=near)
         marched = out[:, 2] >= 0
         lost = ~np.isfinite(out[:, 0])
         return Ends(
@@ -200,7 +202,8 @@ class Rays:
             out[:, 3:7],
             out[:, 7:11],
             np.where(lost, 0, out[:, 11]).astype(np.intp),
-            out[:, 12] if self._estimates else np.zeros(len(places)),
+            np.where(lost, 1.0, out[:, 12]),
+            out[:, 13] if self._estimates else np.zeros(len(places)),
         )
 
     def _run(
@@ -296,7 +299,10 @@ def _of_each(arrays: Places | Ends | Offsets, which: Which) -> Iterator[NDArray[
 
 
 def _of_rays(source: Source, parts: tuple[str, ...], defines: Mapping[str, int]) -> Source:
-    """The program of a plan up to where rays end, without their light, and with other entry points."""
+    """The program of a plan with rays and air, without light, and with other entry points."""
     before = source.parts[: source.parts.index("scene objects") + 1]
+    air = [
+        part for part in source.parts if part.startswith(("light/fog", "light/sky")) or part == "scene air"
+    ]
     more = ("error.h", "arrays.h") if "VERIFY_ESTIMATE" in defines else ("arrays.h",)
-    return Source((*before, *more, *parts), {**source.defines, **defines}, source.generated)
+    return Source((*before, *air, *more, *parts), {**source.defines, **defines}, source.generated)

@@ -212,8 +212,9 @@ def make_plan(
     eyes = write_camera(writer, camera, size)
     objects = writer.text()
     light_images = write_lights(writer, camera)
-    write_air(writer)
     light = writer.text()
+    write_air(writer)
+    air = writer.text()
     write_seen(writer)
     if writer.cell_ids:
         writer.parts.add("cells.h")
@@ -222,6 +223,7 @@ def make_plan(
         **flow.generated,
         "scene objects": objects,
         "scene light": light,
+        "scene air": air,
         "scene seen": writer.text(),
     }
     source = Source(
@@ -358,6 +360,7 @@ def _order(geometry: str, flow: Flow, parts: Collection[str]) -> tuple[str, ...]
         "scene objects",
         *before,
         "scene light",
+        "scene air",
         *after,
         "scene seen",
         *under("error.h"),
