@@ -86,8 +86,8 @@ def header(count: int, seed: int, device: str) -> list[str]:
         f"{QUANTILE:.1%}     so many directions have no larger angle; off and lost ones have the largest",
         "*         no method is both faster and more accurate, by its max angle; with more than"
         f" {1 - QUANTILE:.1%} off or lost none is",
-        f"Half a pixel, {FIELD} degrees across, at the border: {widths} pixels. Single precision rounds the",
-        "direction it is given, too: by up to 3e-6 degrees.",
+        f"Half a pixel, {FIELD} degrees across, at the border: {widths} pixels.",
+        "Single precision rounds the direction it is given, too: by up to 3e-6 degrees.",
     ]
 
 
