@@ -21,9 +21,7 @@ from typing import Any
 import numpy as np
 
 from thurston_cl import device as devices
-from thurston_cl.accuracy.measured import ALLOWED, KNOBS
 from thurston_cl.accuracy.pictures import all_places, compare
-from thurston_cl.accuracy.pixel import half_pixels
 from thurston_cl.accuracy.rays import ExactRays, Places, Rays
 from thurston_cl.arrays import Array, ArrayProgram
 from thurston_cl.device import Device
@@ -32,6 +30,8 @@ from thurston_cl.method import Method
 from thurston_cl.models import GEOMETRIES, ORIGIN
 from thurston_cl.program import Source, geometry_parts
 from thurston_cl.scene import load_text
+from thurston_cl.scene.measured import ALLOWED, KNOBS
+from thurston_cl.scene.pixel import half_pixels
 from thurston_cl.scene.schema import Scene
 
 FOLDER = Path(__file__).parent / "accuracy"

@@ -15,7 +15,6 @@ from golden import Array
 
 from thurston_cl.accuracy import rays as rays_module
 from thurston_cl.accuracy.pictures import Errors, _refined, all_places, compare, errors, quantiles, worst
-from thurston_cl.accuracy.pixel import half_pixel, half_pixels
 from thurston_cl.accuracy.rays import Ends, ExactRays, Offsets, Places, Rays
 from thurston_cl.device import Device
 from thurston_cl.geometry import Geometry
@@ -23,6 +22,7 @@ from thurston_cl.method import Method
 from thurston_cl.models import GEOMETRIES, LEFT_INVARIANT
 from thurston_cl.program import Source, kernel_text
 from thurston_cl.scene import load_scene, load_text
+from thurston_cl.scene.pixel import half_pixel, half_pixels
 from thurston_cl.scene.placement import CameraFrame, Placement
 from thurston_cl.scene.schema import Scene
 

@@ -14,11 +14,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 import thurston_cl as tc
-from thurston_cl.accuracy import choice as module
-from thurston_cl.accuracy.choice import MARGIN, REFERENCE, WORDS, Choice, choose_method, flow_error
-from thurston_cl.accuracy.measured import ALLOWED, KNOBS, Row, measured
 from thurston_cl.accuracy.pictures import all_places
-from thurston_cl.accuracy.pixel import half_pixels
 from thurston_cl.accuracy.rays import Rays
 from thurston_cl.accuracy.verify import verify
 from thurston_cl.cli.main import main
@@ -26,7 +22,11 @@ from thurston_cl.device import Device
 from thurston_cl.image import read_image
 from thurston_cl.method import Method
 from thurston_cl.models import GEOMETRIES
+from thurston_cl.scene import choice as module
 from thurston_cl.scene import load_scene, load_text
+from thurston_cl.scene.choice import MARGIN, REFERENCE, WORDS, Choice, choose_method, flow_error
+from thurston_cl.scene.measured import ALLOWED, KNOBS, Row, measured
+from thurston_cl.scene.pixel import half_pixels
 from thurston_cl.scene.plan import make_plan
 from thurston_cl.scene.schema import Scene
 

@@ -1,6 +1,6 @@
 // rk8.h - one step of Cooper and Verner's rule, of order 8 (SIAM J. Numer. Anal. 9, 1972): eleven evaluations, the fewest that order 8
 // can have, and rational in the root of 21, so that the table can be read. An order as high comes down to the rounding of double precision
-// with steps of a tenth, where order 4 would take a thousand times as many.
+// with steps of a tenth, where order 4 would take hundreds of times as many.
 #define ROOT_21 C(4.58257569495584000659)
 #define STAGES 11
 FN motion step_of(motion y, real h)

@@ -30,12 +30,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from thurston_cl import device as devices
-from thurston_cl.accuracy.pixel import half_pixels
 from thurston_cl.accuracy.rays import Array, Ends, ExactRays, Flags, Offsets, Places, Rays
 from thurston_cl.device import Device
 from thurston_cl.method import Method
 from thurston_cl.scene import schema
 from thurston_cl.scene.picture import Area, Size, views
+from thurston_cl.scene.pixel import half_pixels
 
 # Percentiles that are told of errors.
 PERCENTILES = {"50": 50.0, "95": 95.0, "99": 99.0, "99.9": 99.9, "max": 100.0}

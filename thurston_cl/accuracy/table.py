@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from thurston_cl.accuracy.golden import LIVE, LONGEST, STORED, TIMES
-from thurston_cl.accuracy.pixel import half_pixel
 from thurston_cl.accuracy.protocol import OFF_ABOVE, QUANTILE, Row
+from thurston_cl.scene.pixel import half_pixel
 
 # The paper's pictures (A.2.2): their widths in pixels, and the angle across them.
 WIDTHS = (1000, 5000)

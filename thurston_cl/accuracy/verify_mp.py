@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from mpmath import mp
 
-from thurston_cl.accuracy.pixel import half_pixels
 from thurston_cl.accuracy.rays import ExactRays, Places, Rays
 from thurston_cl.accuracy.truth import displacement, flow
 from thurston_cl.accuracy.verify import SEED, random_places
 from thurston_cl.lattice.isometry import act, on_model
+from thurston_cl.scene.pixel import half_pixels
 
 if TYPE_CHECKING:
     from thurston_cl.accuracy.rays import Array

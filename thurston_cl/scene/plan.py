@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl import device as devices
-from thurston_cl.accuracy.choice import Choice, flow_error, method_of
 from thurston_cl.device import Device
 from thurston_cl.flows import Flow
 from thurston_cl.geometry import for_few_points
@@ -20,6 +19,7 @@ from thurston_cl.lattice.prism import Prism
 from thurston_cl.method import Method
 from thurston_cl.program import Source, geometry_parts
 from thurston_cl.scene import effect_files, schema
+from thurston_cl.scene.choice import Choice, flow_error, method_of
 from thurston_cl.scene.cost import Cost, predict
 from thurston_cl.scene.near_walls import choose_near_walls
 from thurston_cl.scene.numbers import Numbers

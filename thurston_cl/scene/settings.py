@@ -125,6 +125,9 @@ class RenderSettings(Node):
                 if name.replace("-", "_") in self.model_fields_set:
                     message = f"accuracy chooses the {name} itself"
                     yield Problem((name,), message, "leave one of them out", True)
+            if self.detail is not None:
+                message = "detail leaves out what is finer, and accuracy says how exact all of it is"
+                yield Problem(("detail",), message, "leave one of them out", True)
         if self.flow == "exact" and self.flow_step is not None:
             message = "flow-step is that of an integrator, and the flow is exact"
             yield Problem(("flow-step",), message, "leave it out, or write a flow such as 'flow: rk4'", True)

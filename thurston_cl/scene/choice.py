@@ -5,10 +5,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from thurston_cl.accuracy.measured import Row, measured
-from thurston_cl.accuracy.pixel import half_pixels
 from thurston_cl.flows import ORDERS
 from thurston_cl.method import PRECISIONS, Method
+from thurston_cl.scene.measured import Row, measured
+from thurston_cl.scene.pixel import half_pixels
 
 if TYPE_CHECKING:
     from thurston_cl.device import Device
@@ -30,7 +30,7 @@ WORTH = 0.95
 class Choice:
     """A method for a picture. requested: in the words of the scene. target: the angle that it means;
     estimated: that within which 99.9 % of the pixels are expected, both in radians. met: whether that is
-    enough. cost: the time that it takes as a multiple of that of the plain method.
+    enough, with `MARGIN`. cost: the time that it takes as a multiple of that of the plain method.
     """
 
     requested: str
@@ -110,7 +110,11 @@ def choose_method(
         return _reference(scene.geometry, named, allowed)
     target = WORDS[requested] * half if isinstance(requested, str) else requested
     choices = [_of_precision(scene.geometry, named, target, precision) for precision in allowed]
-    return min(choices, key=lambda choice: (not choice.met, choice.cost if choice.met else choice.estimated))
+    met = [choice for choice in choices if choice.met]
+    if met:
+        return min(met, key=lambda choice: choice.cost)
+    # Of equals the last, which is double precision.
+    return min(reversed(choices), key=lambda choice: choice.estimated)
 
 
 def flow_error(geometry: str, method: Method) -> float:
@@ -151,18 +155,20 @@ def _reference(geometry: str, named: str, precisions: Sequence[str]) -> Choice:
 def _of_precision(geometry: str, named: str, target: float, precision: str) -> Choice:
     """The cheapest settings of one precision that reach the target each, or those that come nearest to it."""
     settings: dict[str, Any] = {}
-    cost, estimated = 1.0, 0.0
-    for rows in measured(geometry).values():
+    cost, estimated, reached = 1.0, 0.0, True
+    for knob, rows in measured(geometry).items():
         fitting = [row for row in rows if row.settings.get("precision", precision) == precision]
         if not fitting:
             continue
         good = [row for row in fitting if row.reaches is not None and MARGIN * row.reaches <= target]
         row = _cheapest(good) if good else min(fitting, key=_by_accuracy)
         settings |= row.settings
-        cost *= row.cost
+        reached &= bool(good)
+        # Newton's rows are timed in solves alone.
+        cost *= 1.0 if knob == "newton" else row.cost
         estimated = max(estimated, math.inf if row.reaches is None else row.reaches)
     method = Method(**settings)
-    return Choice(named, target, estimated, estimated <= target, cost, method)
+    return Choice(named, target, estimated, reached, cost, method)
 
 
 def _cheapest(rows: Sequence[Row]) -> Row:

@@ -1,4 +1,4 @@
-"""What each setting costs and reaches, as `benchmarks/accuracy.py` has measured it:
+"""What each setting costs and reaches, as `benchmarks/measure_accuracy.py` has measured it:
 benchmarks/accuracy/*.json.
 """
 
