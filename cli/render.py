@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import json
 import math
 import os
@@ -313,16 +314,25 @@ def command(
             film = target.film
             image.save(target.file, target.channels, force, film.exposure, film.view, film.most)
             written.append(target.file)
-        seconds = time.perf_counter() - start
-        checked = _Checked()
-        if verify or verify_mp:
-            method = Method(**image.statistics["method"])
-            picture = _Picture(loaded, method, chosen, size, samples, crop)
-            checked = _verify(picture, verify, verify_mp)
     except KeyboardInterrupt:
         raise Interrupted(f"only {', '.join(written)} written" if written else "nothing written") from None
-    _report(image, targets, checked, seconds, noted, as_json=as_json, quiet=quiet)
-    if image.statistics["accuracy"] is not None and not image.statistics["accuracy"]["met"]:
+    seconds = time.perf_counter() - start
+    _say(image, targets, seconds, noted, quiet=quiet)
+    checked = _Checked()
+    if verify or verify_mp:
+        asked = loaded.render.accuracy if accuracy is None else accuracy
+        method = Method(**image.statistics["method"])
+        picture = _Picture(loaded, method, chosen, size, samples, crop)
+        try:
+            checked = _verify(picture, verify, verify_mp, asked)
+        except KeyboardInterrupt:
+            raise Interrupted("the picture is written, and not verified") from None
+        for line in checked.lines:
+            click.echo(line, err=True)
+    if as_json:
+        _answer(image, targets, checked, seconds, noted)
+    promised = image.statistics.get("accuracy") or {"met": True}
+    if not promised["met"] or checked.missed:
         click.get_current_context().exit(ACCURACY_MISSED)
 
 
@@ -411,6 +421,8 @@ class _Checked:
 
     lines: tuple[str, ...] = ()
     entries: dict[str, Any] = field(default_factory=dict)
+    # Whether an accuracy that was asked for is not there.
+    missed: bool = False
 
 
 def _check_truth(device: Device) -> None:
@@ -421,23 +433,27 @@ def _check_truth(device: Device) -> None:
         )
 
 
-def _verify(picture: _Picture, count: int | None, count_mp: int | None) -> _Checked:
+def _verify(
+    picture: _Picture, count: int | None, count_mp: int | None, target: str | float | None
+) -> _Checked:
     """Do what --verify and --verify-mp ask for."""
     checked = _Checked()
     if count:
         from thurston_cl.accuracy.verify import verify
 
-        found = picture.ask(verify, count)
+        found = picture.ask(functools.partial(verify, target=target), count)
         lines = (
             f"verified in double precision, {found.seconds:.1f} s",
             *(f"  {line}" for line in found.words),
         )
-        checked = _Checked(lines, {"verify": found.report})
+        missed = target is not None and not found.reached
+        checked = _Checked(lines, {"verify": found.report}, missed)
     if count_mp:
         from thurston_cl.accuracy.verify_mp import check
 
         exactly = picture.ask(check, count_mp)
-        checked = _Checked((*checked.lines, exactly.words), checked.entries | {"verify_mp": exactly.report})
+        entries = checked.entries | {"verify_mp": exactly.report}
+        checked = _Checked((*checked.lines, exactly.words), entries, checked.missed)
     return checked
 
 
@@ -479,21 +495,19 @@ def _warnings_noted() -> Iterator[list[str]]:
         yield noted
 
 
-def _report(
+def _say(
     image: Image,
     targets: Sequence[_Target],
-    checked: _Checked,
     seconds: float,
     noted: list[str],
     *,
-    as_json: bool,
     quiet: bool,
 ) -> None:
-    """Say on stderr what was made, and on stdout, if asked, all that is known of it."""
+    """Say on stderr what was made; a warning of what is wrong with it is also added to those `noted`."""
     statistics = image.statistics
     if lost := statistics.get("nan", 0):
         message = f"{lost} of {statistics['rays']} rays came to nothing (NaN) and show the background"
-        noted = [*noted, f"{message}; try --precision double"]
+        noted.append(f"{message}; try --precision double")
         click.echo(f"thurston: warning: {noted[-1]}", err=True)
     if not quiet:
         names = ", ".join(
@@ -501,22 +515,25 @@ def _report(
         )
         how = f"{statistics['precision']} precision on {statistics['device']}"
         click.echo(f"wrote {names}: {image.width}x{image.height} in {seconds:.1f} s, {how}", err=True)
-        for line in checked.lines:
-            click.echo(line, err=True)
-    if as_json:
-        outputs = [
-            {"file": target.file, "channels": target.channels or tuple(image.channels)}
-            | (target.film.words(image) if _is_png(target.file) else {})
-            for target in targets
-        ]
-        answer = {
-            **statistics,
-            **checked.entries,
-            "total_seconds": seconds,
-            "outputs": outputs,
-            "warnings": noted,
-        }
-        click.echo(json.dumps(_plain(answer), indent=2, allow_nan=False))
+
+
+def _answer(
+    image: Image, targets: Sequence[_Target], checked: _Checked, seconds: float, noted: list[str]
+) -> None:
+    """All that is known of a picture, as JSON on stdout."""
+    outputs = [
+        {"file": target.file, "channels": target.channels or tuple(image.channels)}
+        | (target.film.words(image) if _is_png(target.file) else {})
+        for target in targets
+    ]
+    answer = {
+        **image.statistics,
+        **checked.entries,
+        "total_seconds": seconds,
+        "outputs": outputs,
+        "warnings": noted,
+    }
+    click.echo(json.dumps(_plain(answer), indent=2, allow_nan=False))
 
 
 def _plain(value: Any) -> Any:

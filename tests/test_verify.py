@@ -224,7 +224,7 @@ def test_without_double_it_does_not_begin(thurston: Thurston, option: str, tmp_p
 
 def test_candidates_are_tried_once_and_the_scenes_own_first() -> None:
     scene = load_text(BALLS)
-    found = knobs.candidates(scene)
+    found = knobs.candidates(scene, Method.of(scene))
     methods = [method for _, method in found]
     assert len(set(methods)) == len(methods)
     assert found[0] == ("own", Method.of(scene))
@@ -236,7 +236,7 @@ def test_candidates_are_tried_once_and_the_scenes_own_first() -> None:
 
 def test_in_euclidean_space_there_is_nothing_to_integrate() -> None:
     scene = load_text("geometry: e3\nobjects: [{ball: {radius: 0.1}}]\n")
-    assert {method.flow for _, method in knobs.candidates(scene)} == {"exact"}
+    assert {method.flow for _, method in knobs.candidates(scene, Method.of(scene))} == {"exact"}
 
 
 def row(knob: str = "method", relative: float = 1.0, over: float = 0.0, **method: Any) -> Row:

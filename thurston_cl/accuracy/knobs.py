@@ -17,6 +17,7 @@ from thurston_cl.method import PRECISIONS, Method
 from thurston_cl.rendering import TileRenderer, tiles
 from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
+from thurston_cl.scene.choice import method_of
 from thurston_cl.scene.picture import Size, views
 from thurston_cl.scene.plan import make_plan
 
@@ -69,12 +70,11 @@ class Row:
         return values
 
 
-def candidates(scene: schema.Scene) -> list[tuple[str, Method]]:
+def candidates(scene: schema.Scene, own: Method) -> list[tuple[str, Method]]:
     """The methods to try, each once, with the knob that each turns; first the scene's own.
 
     In e3 the integrators follow straight lines exactly and are left out.
     """
-    own = Method.of(scene)
     found = [("own", own)]
     flows: list[tuple[str, float | None]] = [("exact", None)]
     if scene.geometry != "e3":
@@ -105,7 +105,7 @@ def measure(
     size: of the picture, the scene's where it is None. progress: called with (done, total, what comes next).
     Raises SceneError as rendering does, NoDeviceError where the device has no double precision.
     """
-    methods = candidates(scene) if methods is None else methods
+    methods = candidates(scene, method_of(scene, device, size=size)[0]) if methods is None else methods
     say = progress or (lambda done, total, coming: None)
     say(0, len(methods), "the truth")
     exact = ExactRays(scene, device, size)
@@ -190,7 +190,7 @@ def name(method: Method) -> str:
 
 
 def keys(method: Method) -> str:
-    """A method as a line of a scene."""
+    """A method as a line of a scene, in place of what it says of accuracy."""
     flow = "" if method.step is None else f"flow: {method.flow}, flow-step: {method.step:g}, "
     return (
         f"render: {{precision: {method.precision}, {flow}threshold: {method.threshold:g}, "

@@ -34,6 +34,7 @@ from thurston_cl.accuracy.rays import Array, Ends, ExactRays, Flags, Offsets, Pl
 from thurston_cl.device import Device
 from thurston_cl.method import Method
 from thurston_cl.scene import schema
+from thurston_cl.scene.choice import WORDS, method_of
 from thurston_cl.scene.picture import Area, Size, views
 from thurston_cl.scene.pixel import half_pixels
 
@@ -158,7 +159,7 @@ def errors(
     """
     device = device or devices.choose()
     exact = ExactRays(scene, device, size)
-    rays = Rays(scene, method or Method.of(scene), device, size)
+    rays = Rays(scene, method or method_of(scene, device, size=size)[0], device, size)
     where = all_places(scene, size) if places is None else places
     return compare(rays, exact, where, rays.trace(where))
 
@@ -170,18 +171,21 @@ def compare(
     ends: Ends,
     truth: Ends | None = None,
     near: float | None = None,
+    target: str | float = "half-pixel",
 ) -> Errors:
     """The errors of what rays of places came to. `truth`: what the exact rays of the same places come to,
-    where that is known; `near`: the threshold that they were marched with, where it is not the method's.
+    where that is known; `near`: the threshold that they were marched with, where it is not the method's;
+    `target`: what counts as too far off in place of half a pixel, see `allowed_angles`.
     """
     truth = exact.trace(places) if truth is None else truth
     half = half_pixels(rays.scene.camera, rays.size, *places.xy.T)
+    allowed = allowed_angles(target, half)
     reach = rays.threshold_at(np.nan_to_num(ends.length), near)
     count = len(places)
     angle, shown, area = np.full(count, np.nan), np.full(count, np.nan), np.zeros(count)
     hit = ends.object > 0
     if hit.any():
-        found = _angles(exact, places[hit], ends[hit], half[hit], reach[hit])
+        found = _angles(exact, places[hit], ends[hit], allowed[hit], reach[hit])
         angle[hit], shown[hit], area[hit] = found
 
     differ = ends.marched & (ends.object != truth.object)
@@ -189,20 +193,30 @@ def compare(
     depth = np.where(both, ends.length - truth.length, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = depth / truth.length
-    tolerance = half * np.sqrt(area) + reach
+    tolerance = allowed * np.sqrt(area) + reach
     # NaN counts as wrong, with `not ... <=`.
-    elsewhere = hit & ~(shown <= half)
+    elsewhere = hit & ~(shown <= allowed)
     strange = differ | (both & ~(np.abs(depth) <= tolerance))
     hidden = (ends.clear < SEEN) & (truth.clear < SEEN)
     elsewhere, strange = elsewhere & ~hidden, strange & ~hidden
     suspects = np.flatnonzero(strange & ~elsewhere)
     for offsets in (_circle(_ON_CIRCLE), _disc(_IN_DISC)):
         k = suspects
-        seen = _is_seen(exact, places[k], ends[k], truth[k], tolerance[k], offsets)
+        around = places[k].around(offsets, allowed[k] / half[k])
+        seen = _is_seen(exact, around, ends[k], truth[k], tolerance[k])
         strange[suspects[seen]] = False
         suspects = suspects[~seen]
     over = elsewhere | strange
     return Errors(places, ends, truth, half, angle, shown, depth, relative, differ, over)
+
+
+def allowed_angles(target: str | float, half: Array) -> Array:
+    """How far off pixels may be (N,): what a word of an accuracy means at each, `half` (N,) being half a
+    pixel, or an angle in radians. "reference" names none: half a pixel.
+    """
+    if isinstance(target, str):
+        return WORDS.get(target, 1.0) * half
+    return np.full(half.shape, target)
 
 
 def _circle(count: int) -> Array:
@@ -218,17 +232,16 @@ def _disc(count: int) -> Array:
     return np.stack([radius * np.cos(turns), radius * np.sin(turns)], axis=1)
 
 
-def _is_seen(
-    exact: ExactRays, places: Places, ends: Ends, truth: Ends, tolerance: Array, offsets: Array
-) -> Flags:
-    """Whether the truth shows at some of the `offsets` (K,2) from places the object that rays ended at, and
+def _is_seen(exact: ExactRays, around: Places, ends: Ends, truth: Ends, tolerance: Array) -> Flags:
+    """Whether the truth shows at some of the places `around` each the object that its ray ended at, and
     about as far away; the place itself counts with them.
     """
-    if len(places) == 0:
+    count = len(truth.length)
+    if count == 0:
         return np.zeros(0, dtype=bool)
-    around = exact.trace(places.around(offsets))
-    objects = np.concatenate([around.object.reshape(len(places), -1), truth.object[:, None]], axis=1)
-    lengths = np.concatenate([around.length.reshape(len(places), -1), truth.length[:, None]], axis=1)
+    found = exact.trace(around)
+    objects = np.concatenate([found.object.reshape(count, -1), truth.object[:, None]], axis=1)
+    lengths = np.concatenate([found.length.reshape(count, -1), truth.length[:, None]], axis=1)
     same = objects == ends.object[:, None]
     # The background has no depth.
     nearest = np.where(same, lengths, np.inf).min(axis=1)

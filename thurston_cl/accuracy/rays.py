@@ -64,10 +64,12 @@ class Places:
         """The places (N,2) in pixels from the top left corner of what the eye sees."""
         return self.pixel + self.shift
 
-    def around(self, offsets: Array) -> "Places":
-        """Places beside these: for each of them, in order, those at all `offsets` (K,2) in pixels."""
+    def around(self, offsets: Array, scale: ArrayLike = 1.0) -> "Places":
+        """Places beside these: for each of them, in order, those at all `offsets` (K,2) in pixels, times
+        `scale` (N,).
+        """
         count = len(offsets)
-        shift = (self.shift[:, None] + offsets[None]).reshape(-1, 2)
+        shift = (self.shift[:, None] + offsets[None] * np.reshape(scale, (-1, 1, 1))).reshape(-1, 2)
         return Places(np.repeat(self.eye, count), np.repeat(self.pixel, count, axis=0), shift)
 
 

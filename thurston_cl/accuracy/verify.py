@@ -13,9 +13,12 @@ from thurston_cl.device import Device
 from thurston_cl.method import Method
 from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
+from thurston_cl.scene.choice import WORDS
 from thurston_cl.scene.picture import Area, Size
 
 SEED = 1
+# So many of the random pixels have to be as exact as was asked for.
+REACHED = 0.999
 # So many of the worst pixels are named.
 NAMED = 5
 # Pixels among which those with the largest estimate are looked for, for each of these, and at least: all of a
@@ -30,6 +33,7 @@ class Verification:
 
     drawn: Errors
     suspected: Errors
+    target: str | float | None
     seed: int
     seconds: float
 
@@ -37,14 +41,32 @@ class Verification:
     def words(self) -> list[str]:
         """What was found, in a few lines."""
         lines = [
-            _in_words(f"{len(self.drawn.places)} random pixels", self.drawn),
-            _in_words(f"the {len(self.suspected.places)} with the largest estimate", self.suspected),
+            _in_words(f"{len(self.drawn.places)} random pixels", self.drawn, self._within),
+            _in_words(
+                f"the {len(self.suspected.places)} with the largest estimate", self.suspected, self._within
+            ),
         ]
+        if self.target is not None:
+            verdict = "is reached" if self.reached else "is NOT reached"
+            lines.append(f"{REACHED:.1%} within {self._within}: this {verdict} at random pixels")
         found = self.worst[:NAMED]
         if found and found[0]["over_half_pixel"]:
             named = ", ".join(_place_in_words(one) for one in found if one["over_half_pixel"])
             lines.append(f"worst: {named}")
         return lines
+
+    @property
+    def reached(self) -> bool:
+        """Whether enough of the random pixels are as exact as was asked for."""
+        return bool(self.drawn.summary["over_half_pixel"] <= 1 - REACHED)
+
+    @property
+    def _within(self) -> str:
+        """What counts as right, in words."""
+        if isinstance(self.target, float):
+            return f"{self.target:g} rad"
+        halves = WORDS.get(self.target or "half-pixel", 1.0)
+        return "half a pixel" if halves == 1 else f"{halves / 2:g} pixels"
 
     @property
     def worst(self) -> list[dict[str, Any]]:
@@ -61,6 +83,8 @@ class Verification:
     def report(self) -> dict[str, Any]:
         """All of it, for JSON; `n` and the fractions are of pixels that were marched."""
         return {
+            "target": self.target or "half-pixel",
+            "reached": self.reached,
             "seed": self.seed,
             "seconds": self.seconds,
             "random": self.drawn.summary,
@@ -77,13 +101,15 @@ def verify(
     size: Size | None = None,
     samples: int | None = None,
     area: Area | None = None,
+    target: str | float | None = None,
     seed: int = SEED,
 ) -> Verification:
     """Trace `count` pixels of a picture again, drawn by chance, each at one of its samples, and as many with
     the largest estimated error, at their first sample; of a large picture those of a random part.
 
     method: that of the picture. size, samples, area (left, top, right, bottom): of the picture, the scene's
-    where they are None. Where a picture has fewer pixels all of them are traced. Raises as
+    where they are None. target: the accuracy that was asked for, a word or an angle; half a pixel where it is
+    None. Where a picture has fewer pixels all of them are traced. Raises as
     `thurston_cl.accuracy.pictures.errors`.
     """
     started = time.perf_counter()
@@ -101,8 +127,9 @@ def verify(
     estimate = np.where(ends.lost | ends.out_of_steps, np.inf, ends.estimate)
     largest = np.argsort(-estimate, kind="stable")[: min(count, len(candidates))]
     return Verification(
-        compare(rays, exact, drawn, rays.trace(drawn)),
-        compare(rays, exact, candidates[largest], ends[largest]),
+        compare(rays, exact, drawn, rays.trace(drawn), target=target or "half-pixel"),
+        compare(rays, exact, candidates[largest], ends[largest], target=target or "half-pixel"),
+        target,
         seed,
         time.perf_counter() - started,
     )
@@ -129,14 +156,18 @@ def _shifts(scene: schema.Scene, samples: int | None) -> Array:
     return sample_shifts(settings.samples if samples is None else samples, settings.filter, settings.seed)
 
 
-def _in_words(which: str, errors: Errors) -> str:
+def _in_words(which: str, errors: Errors, within: str) -> str:
     summary = errors.summary
     count = summary["n"]
+    if count == 0:
+        return f"{which}: none was marched"
     over, other = (round(summary[key] * count) for key in ("over_half_pixel", "ids_differ"))
     text = (
-        f"{which}: {count - over} of {count} within half a pixel ({1 - summary['over_half_pixel']:.2%}), "
+        f"{which}: {count - over} of {count} within {within} ({1 - summary['over_half_pixel']:.2%}), "
         f"{other} show another object"
     )
+    if unsure := round(summary["truth_unsure"] * count):
+        text += f", of {unsure} the truth is not known"
     pixels, angle = summary["angle_pixels"], summary["angle"]
     if pixels is None or angle is None:
         return text
