@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 PLOT_SUFFIXES = (".png", ".svg", ".pdf")
 # In directions; in units of length; and in steps of one flow, as kernels/flow/steps.h has it.
-MOST_DIRECTIONS = 1_000_000
+MOST_DIRECTIONS = 100_000
 LONGEST = 100.0
-MOST_STEPS = 1_000_000
+MOST_STEPS = 100_000
 # Options for flows only, and for scenes only, by parameter.
 FOR_FLOWS = {"geometries": "--geometry", "times": "--times", "count": "--directions", "steps": "--steps"}
 FOR_SCENES = {"sets": "--set", "defines": "-D", "size": "--size"}

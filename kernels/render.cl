@@ -147,7 +147,8 @@ __kernel void shade(__global const scalar *records, __global scalar *pixels, int
   r.cell = record[RECORD_CELL];
   // A ray out of steps has come as near to a surface as it could: it is shaded there, and counted.
   r.hit = record[RECORD_END] > REAL(0);
-  mask out_of_steps = record[RECORD_END] > REAL(1);
+  r.spent = record[RECORD_END] > REAL(1);
+  mask out_of_steps = r.spent;
   work done = {REAL(0), REAL(0), REAL(0), record[RECORD_STEPS]};
   done.distances += SELECT(NOT(out_of_steps) & (r.hit | (r.t > REAL(0))), REAL(1), REAL(0));
 #ifdef BLOCK_START

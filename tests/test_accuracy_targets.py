@@ -17,11 +17,13 @@ import thurston_cl as tc
 from thurston_cl.accuracy.pictures import all_places
 from thurston_cl.accuracy.rays import Rays
 from thurston_cl.accuracy.verify import verify
+from thurston_cl.arrays import ArrayProgram
 from thurston_cl.cli.main import main
 from thurston_cl.device import Device
 from thurston_cl.image import read_image
 from thurston_cl.method import Method
-from thurston_cl.models import GEOMETRIES
+from thurston_cl.models import GEOMETRIES, ORIGIN
+from thurston_cl.program import Source, geometry_parts
 from thurston_cl.scene import choice as module
 from thurston_cl.scene import load_scene, load_text
 from thurston_cl.scene.choice import MARGIN, REFERENCE, WORDS, Choice, choose_method, flow_error
@@ -225,6 +227,15 @@ def test_bounds_of_iterations_reach_the_program(opencl_device: Device) -> None:
         same = Rays(scene, dataclasses.replace(exact, **enough), opencl_device).trace(places)
         assert np.array_equal(same.length, want.length, equal_nan=True)
     assert np.isfinite(want.length[want.hit]).any()
+    # A few iterations of Newton's method change the geodesics that are found, if not what is hit.
+    points = tc.Geometry("nil").flow([[0.6, 0.0, 0.8]], [3.0])[0]
+    parts = (*geometry_parts("nil"), "arrays.h", "numerics.cl")
+    lengths = []
+    for method in (Method(newton=1), Method()):
+        program = ArrayProgram(Source(parts, method.defines), "double", opencl_device, 1)
+        arrays = [np.array([ORIGIN["nil"]]), points, np.zeros((1, 4)), np.zeros((1, 4))]
+        lengths.append(program.run("numerics_distance", arrays, 2)[0, 0])
+    assert abs(lengths[0] - lengths[1]) > 1e-6
     poor = Rays(scene, dataclasses.replace(exact, agm=1), opencl_device).trace(places)
     assert not np.array_equal(poor.length, want.length, equal_nan=True)
 
@@ -380,7 +391,7 @@ def test_half_a_pixel_is_reached(name: str, opencl_device: Device) -> None:
     assert scene.render.accuracy == "half-pixel"
     plan = make_plan(scene, device=opencl_device)
     assert plan.choice is not None and plan.choice.met
-    found = verify(scene, 1000, plan.method, opencl_device)
+    found = verify(scene, 2000, plan.method, opencl_device)
     assert found.drawn.summary["over_half_pixel"] <= 1e-3, found.words
     width, height = scene.render.size
     assert found.suspected.over.sum() <= 1e-3 * width * height, found.words

@@ -154,18 +154,15 @@ def test_a_packet_changes_nothing(name: str, equation: str, precision: str, open
 
 
 @settings(max_examples=60, derandomize=True, deadline=None)
-@given(st.sampled_from(CASES), st.floats(-3, 3), st.floats(0.02, 0.5))
-def test_a_step_may_be_any(case: tuple[str, str], t: float, step: float) -> None:
-    """Never longer than asked for: errors of rk4 stay below what its step says."""
+@given(st.sampled_from(CASES), st.floats(-3, 3), st.sampled_from((0.1, 0.2, 0.4)))
+def test_no_step_is_longer_than_asked_for(case: tuple[str, str], t: float, step: float) -> None:
+    """The error of rk4 is at most what the fourth power of the step says, for any time."""
     name, equation = case
     u = directions(8)
-    p, _ = by(name, "rk4", 0.5, equation=equation).flow(u, t)
-    assert np.isfinite(p).all()
-    half = min(0.5, step)
-    if half < 0.1:
-        return
-    q, _ = by(name, "rk4", 0.1, equation=equation).flow(u, t)
-    assert exact(name).distance(q, exact(name).flow(u, t)[0]).max() < 5e-4 + 1e-14
+    q, _ = by(name, "rk4", step, equation=equation).flow(u, t)
+    # 0.02 step^4 a unit of length in sol, which bends the most; it grows like e^t.
+    most = 0.05 * step**4 * (1 + abs(t)) * np.exp(abs(t)) + 1e-13
+    assert exact(name).distance(q, exact(name).flow(u, t)[0]).max() < most
 
 
 @pytest.mark.parametrize(

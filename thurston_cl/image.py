@@ -361,7 +361,7 @@ def check_output(
             )
         if suffix == ".png" and (len(channels) != 1 or channels[0] not in ("beauty", *HEAT_CHANNELS)):
             raise OutputError(
-                f"{path}: a PNG shows beauty, depth or steps, one of them; "
+                f"{path}: a PNG shows beauty, depth, steps or error, one of them; "
                 f"write {', '.join(channels)} to an EXR"
             )
     try:

@@ -4,12 +4,11 @@ import dataclasses
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from thurston_cl.device import PRECISIONS
 from thurston_cl.flows import DEFAULT_STEP, Flow
 
 if TYPE_CHECKING:
     from thurston_cl.scene.schema import Scene
-
-PRECISIONS = ("single", "double")
 
 
 @dataclass(frozen=True)

@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thurston_cl import device as devices
-from thurston_cl.device import Device
+from thurston_cl.device import PRECISIONS, Device
 from thurston_cl.errors import ThurstonError
 from thurston_cl.image import EVERY_CHANNEL, Image
-from thurston_cl.method import PRECISIONS, Method
+from thurston_cl.method import Method
 from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, build_widest
 from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
+from thurston_cl.scene.choice import Glance, achieved, fitted, flow_error
 from thurston_cl.scene.picture import View, size_problem, views
 from thurston_cl.scene.plan import Plan, make_plan
 from thurston_cl.scene.texels import images_of
@@ -45,6 +46,11 @@ REFILL_ITEMS = 8
 # Below this share of lanes doing work in trace_packet, trace_refill is faster. Over 14 scenes on PoCL it took
 # 0.6 to 0.9 of the time where the share was at most 0.56, and 1.3 to 1.6 where it was 0.68 or more.
 REFILL_BELOW_UTILISATION = 0.6
+
+# Where an accuracy is asked for: small tiles that are looked at beforehand, and how often the method is
+# fitted to what is seen there.
+GLANCES = 32
+MOST_FITS = 4
 
 # The channels of a tile in render.cl: what is counted per pixel over all samples, and where the others stand.
 COUNTS = {
@@ -125,11 +131,13 @@ def render(
     if problem := size_problem(scene.camera.projection.kind, layout, whole):
         raise ValueError("; ".join(problem))
     area = _checked_crop(crop, whole)
+    promised = method is None and (accuracy, scene.render.accuracy) != (None, None)
+    made = (*channels, "error") if promised and "error" not in channels else tuple(channels)
     plan = make_plan(
         scene,
         device=chosen,
         size=whole,
-        channels=channels,
+        channels=made,
         method=method,
         precision=precision,
         accuracy=accuracy,
@@ -139,10 +147,29 @@ def render(
         raise ValueError(
             f"{chosen.info.name} has no double precision; choose single precision or another device"
         )
-    renderer = TileRenderer(plan, chosen, lanes or chosen.info.lane_width(method.precision), finish)
     shifts = sample_shifts(samples, settings.filter, settings.seed)
     seen = [view for view in views(layout, whole, area) if "beauty" in channels or view.all_channels]
-    image_channels, statistics = _render_tiles(renderer, seen, area, shifts, channels, progress)
+
+    def renderer_of(plan: Plan) -> TileRenderer:
+        return TileRenderer(plan, chosen, lanes or chosen.info.lane_width(plan.method.precision), finish)
+
+    renderer = renderer_of(plan)
+    if plan.choice is not None:
+        for _ in range(MOST_FITS):
+            fit = fitted(plan.choice, scene.geometry, _glance(renderer, seen, shifts))
+            if fit == plan.choice:
+                break
+            plan = make_plan(scene, device=chosen, size=whole, channels=made, method=fit.method)
+            plan.choice = fit
+            renderer = renderer_of(plan)
+        method = plan.method
+    image_channels, statistics = _render_tiles(renderer, seen, area, shifts, made, progress)
+    if plan.choice is not None:
+        rest = flow_error(scene.geometry, method)
+        spent = statistics["out_of_steps"] / max(1, statistics["rays"])
+        plan.choice = achieved(plan.choice, Glance.of(image_channels["error"], rest, spent))
+        if made != tuple(channels):
+            del image_channels["error"]
     if statistics["out_of_steps"] > TOLD_OUT_OF_STEPS * statistics["rays"]:
         share = statistics["out_of_steps"] / statistics["rays"]
         warnings.warn(
@@ -232,6 +259,25 @@ def tiles(area: tuple[int, int, int, int], side: int) -> Iterator[Tile]:
     for y in range(top, bottom, side):
         for x in range(left, right, side):
             yield Tile(x, y, min(side, right - x), min(side, bottom - y))
+
+
+def _glance(renderer: "TileRenderer", seen: Sequence[View], shifts: NDArray[np.float64]) -> Glance:
+    """What a few small tiles all over the picture say of how exact it is."""
+    random = np.random.default_rng(0)
+    errors: list[NDArray[np.floating]] = []
+    rays = spent = 0.0
+    for view in seen:
+        renderer.look_through(view.eye)
+        left, top, right, bottom = view.area
+        for _ in range(GLANCES):
+            x = int(random.integers(left, max(left + 1, right - TILE_STEP + 1)))
+            y = int(random.integers(top, max(top + 1, bottom - TILE_STEP + 1)))
+            tile = Tile(x, y, min(TILE_STEP, right - x), min(TILE_STEP, bottom - y))
+            found, counts = renderer.run(tile, shifts[:1], ["error", "object"])
+            errors.append(found["error"][found["object"] > 0])
+            rays, spent = rays + counts["rays"], spent + counts["out_of_steps"]
+    rest = flow_error(renderer.plan.scene.geometry, renderer.plan.method)
+    return Glance.of(np.concatenate(errors), rest, spent / max(1.0, rays))
 
 
 class TileRenderer:

@@ -12,8 +12,8 @@ from typing import Any
 
 from thurston_cl.accuracy.pictures import PERCENTILES, all_places, compare
 from thurston_cl.accuracy.rays import ExactRays, Rays
-from thurston_cl.device import Device
-from thurston_cl.method import PRECISIONS, Method
+from thurston_cl.device import PRECISIONS, Device
+from thurston_cl.method import Method
 from thurston_cl.rendering import TileRenderer, tiles
 from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema

@@ -207,6 +207,8 @@ def _row(candidate: Candidate, flowing: Geometry, exact: Geometry, block: _Block
     if not is_truth:
         distances = distance_errors(exact, block.truth, points)
         angles = angle_errors(exact, measured.vectors, points, block.time)
+        # A number to which no geodesic is found is off.
+        angles[np.isnan(angles) & ~np.isnan(distances)] = np.pi
         angles[~block.solved] = np.nan
     elif (values := golden(exact.name, block.time, measured.name)) is not None:
         measured, truth = values.directions, "mpmath"

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from thurston_cl.accuracy.golden import LIVE, LONGEST, STORED, TIMES
-from thurston_cl.accuracy.protocol import OFF_ABOVE, QUANTILE, Row
+from thurston_cl.accuracy.protocol import OFF_ABOVE, QUANTILE, RUNS, Row
 from thurston_cl.scene.pixel import half_pixel
 
 # The paper's pictures (A.2.2): their widths in pixels, and the angle across them.
@@ -79,7 +79,7 @@ def header(count: int, seed: int, device: str) -> list[str]:
         f"          of each set for t = {stored}, and in {LIVE} for other times up to {LONGEST:g};",
         "          its maxima are over so few directions only, beside which the titles tell of all",
         "sets      uniform; adversarial: at 0 and 1e-12 to 1e-1 from every change of regime of the geometry",
-        "time      of the device for all directions, median of several runs; x: relative to single exact",
+        f"time      of the device for all directions, median of up to {RUNS} runs; x: as a multiple of single exact's",
         "distance  in the metric, between where the geodesic leads and where the method does",
         "angle     degrees, from the direction followed to the nearest exact geodesic to that point",
         f"off       directions with more than {limit:.0f} degrees, which max angle and mean leave out",

@@ -149,7 +149,11 @@ def angle_error(
             if best is None or distance < best[0]:
                 best = distance, offset
         assert best is not None
-        turn = mp.lu_solve(matrix, mp.matrix(best[1]))
+        try:
+            turn = mp.lu_solve(matrix, mp.matrix(best[1]))
+        except ZeroDivisionError:
+            # A conjugate point, or the eye itself: no turn leads anywhere else.
+            return 0.0 if best[0] == 0 else math.pi
         return float(mp.hypot(turn[0], turn[1]))
 
 

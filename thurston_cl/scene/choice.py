@@ -1,12 +1,17 @@
 """From an accuracy that is asked for to the cheapest method that reaches it, by what was measured."""
 
+import dataclasses
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from thurston_cl.device import PRECISIONS
 from thurston_cl.flows import ORDERS
-from thurston_cl.method import PRECISIONS, Method
+from thurston_cl.method import Method
 from thurston_cl.scene.measured import Row, measured
 from thurston_cl.scene.pixel import half_pixels
 
@@ -22,6 +27,12 @@ _EXACT_DOUBLE = {"precision": "double", "flow": "exact", "step": None}
 # A row has to be so much better than what is asked for: errors of several settings add up, and no scene is
 # one of the probes.
 MARGIN = 2.0
+# So many pixels may be farther off than what was asked for.
+MISSED = 0.001
+# Nearer than this single precision does not bring rays to a surface.
+FINEST_SINGLE = 1e-6
+# What the estimate of a pixel is at most: that of rays that may be anywhere.
+HALF_TURN = math.pi * (1 - 1e-6)
 # A row is taken instead of a plainer one only for so much less time: ratios are no surer than that.
 WORTH = 0.95
 
@@ -69,6 +80,54 @@ class Choice:
             "estimated": self.estimated if math.isfinite(self.estimated) else None,
             "met": self.met,
         }
+
+
+@dataclass(frozen=True)
+class Glance:
+    """What is known of a picture by some of its pixels, or all. grazing: the angle that rays which graze a
+    surface may be off by, at 99.9 % of the pixels or less. spent: the share of rays that are out of steps
+    where that can be seen.
+    """
+
+    grazing: float
+    spent: float
+
+    @classmethod
+    def of(cls, errors: NDArray[np.floating], flow: float, spent: float) -> "Glance":
+        """From the channel `error` of a picture; `flow` is what is alike in it for all rays."""
+        known = errors[errors < HALF_TURN]
+        grazing = float(np.quantile(known, 1 - MISSED, method="higher")) - flow if known.size else 0.0
+        return cls(max(grazing, 0.0), spent)
+
+
+def fitted(choice: Choice, geometry: str, glance: Glance) -> Choice:
+    """The choice with a smaller threshold where things stand nearer to the eye than in the probes, and with
+    more steps where rays ran out of them.
+    """
+    method = choice.method
+    most = choice.target / MARGIN
+    if glance.grazing > most and choice.requested != "reference":
+        finest = min(
+            row.settings["threshold"]
+            for row in measured(geometry)["thresholds"]
+            if row.settings["precision"] == method.precision and row.reaches is not None
+        )
+        # In single precision rays do not come much nearer than rounding.
+        finest = max(finest, FINEST_SINGLE) if method.precision == "single" else finest
+        nearer = max(method.threshold * most / glance.grazing, finest)
+        method = dataclasses.replace(method, threshold=min(nearer, method.threshold))
+    if glance.spent > MISSED / 2:
+        method = dataclasses.replace(method, steps=min(4 * method.steps, REFERENCE.steps))
+    return dataclasses.replace(choice, method=method)
+
+
+def achieved(choice: Choice, glance: Glance) -> Choice:
+    """The choice with what the finished picture says of it."""
+    estimated = max(choice.estimated, glance.grazing)
+    if choice.requested == "reference":
+        estimated = choice.estimated
+    good = choice.met and estimated <= choice.target and glance.spent <= MISSED
+    return dataclasses.replace(choice, estimated=estimated, met=good)
 
 
 def method_of(
