@@ -60,8 +60,9 @@ def command(
 
     loaded = load_scene(scene, defines=defines, sets=sets)
     chosen = choose(device)
+    check_precision(chosen, loaded, precision, accuracy)
     plan = make_plan(loaded, device=chosen, precision=precision, accuracy=accuracy)
-    arithmetic = check_precision(chosen, plan.method.precision)
+    arithmetic = plan.method.precision
     lanes = chosen.info.lane_width(arithmetic)
     options = plan.source.options(arithmetic, lanes)
     rows = {

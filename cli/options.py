@@ -13,6 +13,7 @@ from thurston_cl.errors import NoDeviceError
 if TYPE_CHECKING:
     from thurston_cl.device import Device
     from thurston_cl.scene import Scene
+    from thurston_cl.scene import Scene
 
 SCENE = "Scene"
 OUTPUT = "Output"
@@ -156,14 +157,17 @@ def check_size(scene: Scene, size: tuple[int, int] | None) -> None:
         raise click.UsageError(message)
 
 
-def check_precision(device: Device, precision: str) -> str:
-    """The arithmetic to use, "single" or "double"; NoDeviceError if the device lacks it."""
+def check_precision(
+    device: Device, scene: Scene, precision: str | None, accuracy: str | float | None
+) -> None:
+    """NoDeviceError if the device lacks the arithmetic that is asked for. An accuracy takes what there is."""
+    if precision is None and accuracy is None and scene.render.accuracy is None:
+        precision = scene.render.precision
     if precision == "double" and not device.info.fp64:
         raise NoDeviceError(
             f"{device.info.name} ({device.info.id}) has no double precision; "
             "use --precision single, or a --device that 'thurston devices' lists with fp64"
         )
-    return "double" if precision == "double" else "single"
 
 
 def device_options(function: Command) -> Command:

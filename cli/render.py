@@ -294,10 +294,7 @@ def command(
     if crop is not None:
         _check_crop(crop, size or loaded.render.size)
     chosen = choose(device)
-    if accuracy is None and loaded.render.accuracy is None:
-        check_precision(chosen, precision or loaded.render.precision)
-    elif precision is not None:
-        check_precision(chosen, precision)
+    check_precision(chosen, loaded, precision, accuracy)
     if verify or verify_mp:
         _check_truth(chosen)
 

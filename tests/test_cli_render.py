@@ -241,6 +241,7 @@ def test_options_reach_the_renderer(
     assert options == {
         "device": device,
         "precision": "double",
+        "accuracy": None,
         "lanes": 16,
         "finish": "refill",
         "size": (20, 10),

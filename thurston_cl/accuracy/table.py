@@ -79,7 +79,7 @@ def header(count: int, seed: int, device: str) -> list[str]:
         f"          of each set for t = {stored}, and in {LIVE} for other times up to {LONGEST:g};",
         "          its maxima are over so few directions only, beside which the titles tell of all",
         "sets      uniform; adversarial: at 0 and 1e-12 to 1e-1 from every change of regime of the geometry",
-        f"time      of the device for all directions, median of up to {RUNS} runs; x: as a multiple of single exact's",
+        f"time      of the device for all directions, median of up to {RUNS} runs; x: by single exact",
         "distance  in the metric, between where the geodesic leads and where the method does",
         "angle     degrees, from the direction followed to the nearest exact geodesic to that point",
         f"off       directions with more than {limit:.0f} degrees, which max angle and mean leave out",
