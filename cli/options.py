@@ -13,7 +13,6 @@ from thurston_cl.errors import NoDeviceError
 if TYPE_CHECKING:
     from thurston_cl.device import Device
     from thurston_cl.scene import Scene
-    from thurston_cl.scene import Scene
 
 SCENE = "Scene"
 OUTPUT = "Output"
