@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import isotonic_regression
 
 from thurston_cl import device as devices
 from thurston_cl.accuracy.pictures import all_places, compare
@@ -196,6 +197,9 @@ def measure(geometry: str, device: Device) -> dict[str, Any]:
         seconds = time.perf_counter() - started
         print(f"{geometry} {k}/{len(rows)} {knob} {tables[knob][-1]} {seconds:.1f} s", file=sys.stderr)
     tables["newton"] = list(solves(geometry, device))
+    for precision in ("single", "double"):
+        without_noise([row for row in tables["thresholds"] if row["precision"] == precision], "threshold", -1)
+    without_noise(tables["steps"], "steps", 1)
     info = device.info
     return {
         "geometry": geometry,
@@ -206,6 +210,17 @@ def measure(geometry: str, device: Device) -> dict[str, Any]:
         "allowed": ALLOWED,
         **tables,
     }
+
+
+def without_noise(rows: list[dict[str, Any]], knob: str, sense: int) -> None:
+    """Let no finer setting cost less than a coarser one: it cannot, and where it is measured so costs are off
+    by that much. Of such rows all get the mean (isotonic regression), and then the plain one 1.
+    """
+    rows = sorted(rows, key=lambda row: sense * row[knob])
+    costs = [float(cost) for cost in isotonic_regression([row["cost"] for row in rows]).x]
+    plain = next(cost for row, cost in zip(rows, costs, strict=True) if row[knob] == getattr(Method(), knob))
+    for row, cost in zip(rows, costs, strict=True):
+        row["cost"] = round(cost / plain, 3)
 
 
 def solves(geometry: str, device: Device) -> Iterator[dict[str, Any]]:

@@ -26,7 +26,19 @@ from thurston_cl.models import GEOMETRIES, ORIGIN
 from thurston_cl.program import Source, geometry_parts
 from thurston_cl.scene import choice as module
 from thurston_cl.scene import load_scene, load_text
-from thurston_cl.scene.choice import MARGIN, REFERENCE, WORDS, Choice, choose_method, flow_error
+from thurston_cl.scene.choice import (
+    FINEST_SINGLE,
+    MARGIN,
+    MISSED,
+    REFERENCE,
+    WORDS,
+    Choice,
+    Glance,
+    achieved,
+    choose_method,
+    fitted,
+    flow_error,
+)
 from thurston_cl.scene.measured import ALLOWED, KNOBS, Row, measured
 from thurston_cl.scene.pixel import half_pixels
 from thurston_cl.scene.plan import make_plan
@@ -340,6 +352,91 @@ def test_explain_states_the_choice() -> None:
     assert told["explanation"]["accuracy"].startswith("1e-06 rad, 1e-06 rad: double precision, exact flow")
 
 
+# -- fitted to the picture -----------------------------------------------------------------------------------
+
+
+def a_choice(**changes: Any) -> Choice:
+    return dataclasses.replace(
+        Choice("half-pixel", 1e-3, 1e-4, True, 1.0, Method(threshold=1e-4, steps=300)), **changes
+    )
+
+
+def test_a_threshold_is_as_small_as_what_is_near_needs() -> None:
+    """MARGIN and MISSED from both sides, and no further than FINEST_SINGLE."""
+    choice, most = a_choice(), 1e-3 / MARGIN
+    assert fitted(choice, "nil", Glance(most * 0.999, 0)) == choice
+    nearer = fitted(choice, "nil", Glance(most * 10, 0)).method
+    assert nearer.threshold == pytest.approx(1e-5)
+    assert fitted(choice, "nil", Glance(most * 1e6, 0)).method.threshold == FINEST_SINGLE
+    double = a_choice(method=Method("double"))
+    assert fitted(double, "nil", Glance(most * 1e4, 0)).method.threshold == pytest.approx(1e-8)
+    assert fitted(choice, "nil", Glance(0, MISSED * 0.49)) == choice
+    assert fitted(choice, "nil", Glance(0, MISSED * 0.51)).method.steps == 1200
+    assert fitted(a_choice(method=Method(steps=19_000)), "nil", Glance(0, 1)).method.steps == REFERENCE.steps
+    exact = a_choice(requested="reference")
+    assert fitted(exact, "nil", Glance(1.0, 0)) == exact
+
+
+def test_what_a_finished_picture_says_counts() -> None:
+    choice = a_choice()
+    assert achieved(choice, Glance(5e-5, 0)) == choice
+    assert achieved(choice, Glance(9.9e-4, 0)) == a_choice(estimated=9.9e-4)
+    assert achieved(choice, Glance(1.1e-3, 0)) == a_choice(estimated=1.1e-3, met=False)
+    assert achieved(choice, Glance(0, MISSED)).met and not achieved(choice, Glance(0, MISSED * 1.01)).met
+
+
+def test_a_glance_leaves_out_what_may_be_anywhere() -> None:
+    errors = np.concatenate([np.full(9_980, 2e-4), np.full(20, 3e-3), np.full(500, math.pi)])
+    glance = Glance.of(errors, 1e-5, 0.25)
+    assert glance.grazing == pytest.approx(3e-3 - 1e-5) and glance.spent == 0.25
+    assert Glance.of(errors[10:9_981], 1e-5, 0).grazing == pytest.approx(1.9e-4)
+    assert Glance.of(errors[-500:], 1e-5, 0).grazing == 0
+
+
+def test_what_stands_close_to_the_eye(opencl_device: Device) -> None:
+    """A tiny ball right before the eye needs a smaller threshold than the probes, and gets it."""
+    scene = load_text(
+        "geometry: e3\ncamera: {at: [0, 0, 0], look: {along: [0, 1, 0]}}\n"
+        "objects: [{ball: {radius: 0.005}, at: [0, 0.01, 0]}, {ball: {radius: 1}, at: [0, 5, 1]}]\n"
+        "render: {accuracy: half-pixel, size: [240, 136], samples: 1}\n"
+    )
+    image = tc.render(scene, device=opencl_device)
+    told, method = image.statistics["accuracy"], Method(**image.statistics["method"])
+    assert told["met"] and told["estimated"] <= told["target"]
+    plain = choose_method(scene, "half-pixel").method
+    assert method.threshold < plain.threshold / 4
+    assert verify(scene, 1000, method, opencl_device, target="half-pixel").reached
+    assert not verify(scene, 1000, dataclasses.replace(plain, threshold=1e-3), opencl_device).reached
+
+
+def test_a_picture_is_held_against_what_was_asked_for(opencl_device: Device) -> None:
+    """The same rays are within two pixels, and not within a hundredth of one."""
+    scene = load_text(BALL)
+    method = Method(threshold=1e-2)
+    rough = verify(scene, 500, method, opencl_device, size=(320, 180), target="draft")
+    fine = verify(scene, 500, method, opencl_device, size=(320, 180), target=1e-6)
+    assert rough.drawn.over.sum() < fine.drawn.over.sum()
+    assert rough.reached and not fine.reached
+    assert "99.9% within 2 pixels: this is reached" in rough.words[2]
+    assert "99.9% within 1e-06 rad: this is NOT reached" in fine.words[2]
+
+
+@pytest.mark.usefixtures("here")
+def test_a_promise_that_verification_breaks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exit code 3 also where the estimate is fine and the rays are not; and --quiet does not hide it."""
+    wrong = dataclasses.replace(Method(threshold=0.05), steps=300)
+    monkeypatch.setattr(
+        "thurston_cl.scene.choice.choose_method",
+        lambda scene, requested, *more: Choice("half-pixel", 4e-4, 1e-5, True, 1.0, wrong),
+    )
+    monkeypatch.setattr("thurston_cl.rendering.fitted", lambda choice, geometry, glance: choice)
+    monkeypatch.setattr("thurston_cl.rendering.achieved", lambda choice, glance: choice)
+    result = render("--accuracy", "half-pixel", "--verify", "500", "--quiet", "--size", "320x180")
+    assert result.exit_code == 3
+    assert "this is NOT reached at random pixels" in result.stderr
+    assert "wrote" not in result.stderr
+
+
 # -- the estimate of each pixel ------------------------------------------------------------------------------
 
 
@@ -366,6 +463,11 @@ def test_the_error_channel(opencl_device: Device) -> None:
         error, depth = shown[threshold]["error"][hit], shown[threshold]["depth"][hit].astype(float)
         # In nil the area density is about the square of the depth where that is small.
         assert np.all(np.abs((error - flow) * depth / threshold - 1) < 0.2)
+    lost = tc.render(
+        scene, device=opencl_device, size=(64, 36), samples=1, channels=("error",), method=Method(steps=1)
+    )
+    # Out of steps a ray may be anywhere.
+    assert (lost.channels["error"] == np.float32(math.pi)).mean() > 0.5
     assert "error" not in tc.render(scene, device=opencl_device, size=(8, 8), samples=1).channels
     assert "error.h" not in make_plan(scene, device=opencl_device).parts
 

@@ -1337,6 +1337,32 @@ MISTAKES = {
         "far must be greater than threshold, which is 0.0001",
         schema=False,
     ),
+    "accuracy and what it chooses": Mistake(
+        f"{E3}render: {{accuracy: half-pixel, threshold: 1e-5}}\n",
+        "3:32",
+        "accuracy chooses the threshold itself",
+        "leave one of them out",
+        schema=False,
+    ),
+    "accuracy and detail": Mistake(
+        f"{E3}render: {{accuracy: half-pixel, detail: 2}}\n",
+        "3:32",
+        "detail leaves out what is finer, and accuracy says how exact all of it is",
+        "leave one of them out",
+        schema=False,
+    ),
+    "an accuracy without unit": Mistake(
+        f"{E3}render: {{accuracy: 0.001}}\n",
+        "3:20",
+        "expected one of half-pixel, quarter-pixel, draft, reference, or an angle, found 0.001",
+        "an angle needs a unit: write '0.001 rad', or 'half-pixel'",
+    ),
+    "an accuracy of nothing": Mistake(
+        f"{E3}render: {{accuracy: 0 rad}}\n",
+        "3:20",
+        "an accuracy is an angle greater than 0 and at most 180 deg",
+        schema=False,
+    ),
     "a step of the exact flow": Mistake(
         f"{E3}render: {{flow-step: 0.1}}\n",
         "3:10",
