@@ -11,6 +11,7 @@ those rays, as a multiple of the table's first row: a ratio within one run.
 import argparse
 import datetime
 import json
+import math
 import statistics
 import sys
 import time
@@ -207,13 +208,10 @@ def measure(geometry: str, device: Device) -> dict[str, Any]:
         seconds = time.perf_counter() - started
         print(f"{geometry} {k}/{len(rows)} {knob} {tables[knob][-1]} {seconds:.1f} s", file=sys.stderr)
     tables["newton"] = list(solves(geometry, device))
+    agree(tables)
     for precision in ("single", "double"):
         without_noise([row for row in tables["thresholds"] if row["precision"] == precision], "threshold", -1)
     without_noise(tables["steps"], "steps", 1)
-    # What the most steps do not better is not for want of steps.
-    most = tables["steps"][-1]["reaches"]
-    for row in tables["steps"]:
-        row["reaches"] = ANGLES[-1] if row["reaches"] == most else row["reaches"]
     info = device.info
     return {
         "geometry": geometry,
@@ -224,6 +222,23 @@ def measure(geometry: str, device: Device) -> dict[str, Any]:
         "allowed": ALLOWED,
         **tables,
     }
+
+
+def agree(tables: dict[str, list[dict[str, Any]]]) -> None:
+    """Let rows say nothing that others refute: a few rays that end where they do by chance are many beside
+    those allowed.
+    """
+    for flow in tables["flows"]:
+        if flow["flow"] == "exact":
+            # Every threshold is measured with the exact flow of its precision.
+            same = [row for row in tables["thresholds"] if row["precision"] == flow["precision"]]
+            flow["reaches"] = min(row["reaches"] for row in [flow, *same] if row["reaches"] is not None)
+    # What the most steps do not better is not for want of steps, nor is what fewer steps reach.
+    steps = sorted(tables["steps"], key=lambda row: row["steps"])
+    most, best = steps[-1]["reaches"], math.inf
+    for row in steps:
+        best = min(best, math.inf if row["reaches"] is None else row["reaches"])
+        row["reaches"] = None if best == math.inf else ANGLES[-1] if best == most else best
 
 
 def without_noise(rows: list[dict[str, Any]], knob: str, sense: int) -> None:
