@@ -155,7 +155,8 @@ def command(
 
     Without SCENE geodesics from the origin are followed, exactly and by integrators, as in appendix A of the
     paper; that takes some minutes for all eight geometries. With SCENE, a file or the name of one that comes
-    with the program, its picture is rendered with each. Ctrl-C prints what is finished.
+    with the program, its picture is rendered with each: the first time that takes two to six minutes, most of
+    them to build some twenty programs. Ctrl-C prints what is finished, and draws nothing.
 
     \b
       thurston accuracy --geometry nil --plot nil.png
@@ -206,9 +207,9 @@ def command(
     start = clock.perf_counter()
     rows: list[Row] = []
     interrupted = False
-    work = measure(
-        geometries or GEOMETRIES, times, count, steps, chosen, progress=(progress := _Progress(not quiet))
-    )
+    wanted = tuple(dict.fromkeys(geometries)) or GEOMETRIES
+    progress = _Progress(not quiet)
+    work = measure(wanted, times, count, steps, chosen, progress=progress)
     try:
         with progress:
             for row in work:

@@ -14,11 +14,14 @@ import click
 from .options import (
     OTHER,
     OUTPUT,
+    RENDERING,
     GroupedCommand,
     Option,
     accuracy_option,
     check_precision,
+    check_size,
     device_options,
+    parse_size,
     scene_options,
 )
 
@@ -30,6 +33,14 @@ if TYPE_CHECKING:
 @scene_options
 @device_options
 @accuracy_option
+@click.option(
+    "--size",
+    type=parse_size,
+    metavar="WxH",
+    cls=Option,
+    group=RENDERING,
+    help="Pixels of the picture, on which an accuracy depends. [default: of the scene]",
+)
 @click.option(
     "--source",
     "show_source",
@@ -46,6 +57,7 @@ def command(
     device: str | None,
     precision: str | None,
     accuracy: str | float | None,
+    size: tuple[int, int] | None,
     show_source: bool,
     as_json: bool,
 ) -> None:
@@ -61,7 +73,8 @@ def command(
     loaded = load_scene(scene, defines=defines, sets=sets)
     chosen = choose(device)
     check_precision(chosen, loaded, precision, accuracy)
-    plan = make_plan(loaded, device=chosen, precision=precision, accuracy=accuracy)
+    check_size(loaded, size)
+    plan = make_plan(loaded, device=chosen, size=size, precision=precision, accuracy=accuracy)
     arithmetic = plan.method.precision
     lanes = chosen.info.lane_width(arithmetic)
     options = plan.source.options(arithmetic, lanes)

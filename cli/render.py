@@ -332,7 +332,8 @@ def command(
             checked = _verify(picture, verify, verify_mp, asked)
         except KeyboardInterrupt:
             raise Interrupted("the picture is written, and not verified") from None
-        for line in checked.lines:
+        # An answer that was asked for: on one of both.
+        for line in () if quiet and as_json else checked.lines:
             click.echo(line, err=True)
     if as_json:
         _answer(image, targets, checked, seconds, noted)
@@ -520,6 +521,8 @@ def _say(
         )
         how = f"{statistics['precision']} precision on {statistics['device']}"
         click.echo(f"wrote {names}: {image.width}x{image.height} in {seconds:.1f} s, {how}", err=True)
+        if (promised := statistics.get("accuracy")) and promised["met"]:
+            click.echo(f"accuracy: {promised['words']}", err=True)
 
 
 def _answer(

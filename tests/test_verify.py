@@ -322,9 +322,9 @@ def test_rows_as_text_json_and_csv() -> None:
     assert read[0]["depth_max"] == read[0]["step"] == ""
 
 
-def few(scene: Any) -> list[tuple[str, Method]]:
+def few(scene: Any, own: Method | None = None) -> list[tuple[str, Method]]:
     return [
-        ("own", Method.of(scene)),
+        ("own", own or Method.of(scene)),
         ("method", Method("double")),
         ("method", Method(flow="euler", step=0.2)),
         ("steps", Method(steps=6)),

@@ -68,6 +68,10 @@ class Geometry:
         self.device = self._flow.device
         self.lanes = self._flow.lanes
 
+    def __repr__(self) -> str:
+        flow = "" if self.followed.step is None else f", {self.followed.words}"
+        return f"<Geometry {self.name}, {self.precision} precision{flow}, on {self.device.info.name}>"
+
     @functools.cached_property
     def _program(self) -> ArrayProgram:
         """Everything beside the flow, built when it is first asked for."""

@@ -179,7 +179,7 @@ def render(
     if statistics["hits"] == 0:
         warnings.warn("no ray hit anything: is every object out of sight?", stacklevel=2)
     if plan.choice is not None and not plan.choice.met:
-        warnings.warn(f"the accuracy is not reached: {plan.choice.words}", stacklevel=2)
+        warnings.warn(f"the accuracy may not be reached: {plan.choice.words}", stacklevel=2)
     statistics |= {
         "seconds": time.perf_counter() - started,
         "device": chosen.info.name,

@@ -112,11 +112,15 @@ def measure(
     places = all_places(scene, size)
     truth = exact.trace(places)
     own: _Timed | None = None
+    plain = 0.0
     for k, (knob, method) in enumerate(methods):
         say(k, len(methods), name(method))
         timed = _Timed(scene, method, device, size)
         own = timed if own is None else own
         seconds, relative = _time_beside(timed, own)
+        # Every time by the one ruler: the machine may be slower by now.
+        plain = seconds if own is timed else plain
+        seconds = relative * plain
         rays = Rays(scene, method, device, size)
         found = compare(rays, exact, places, rays.trace(places), truth).summary
         names = [field.name for field in dataclasses.fields(Row)[4:]]

@@ -115,7 +115,7 @@ def _cells(row: Row, best: bool) -> tuple[str, ...]:
 
 
 def _share(value: float) -> str:
-    return "0" if value == 0 else f"{value:.2%}" if value >= 1e-4 else f"{value:.0e}"
+    return "0" if value == 0 else f"{value:.2%}" if value >= 1e-4 else f"{100 * value:.1g}%"
 
 
 def _quantiles(values: dict[str, float] | None) -> list[str]:

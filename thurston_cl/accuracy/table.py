@@ -80,6 +80,7 @@ def header(count: int, seed: int, device: str) -> list[str]:
         "          its maxima are over so few directions only, beside which the titles tell of all",
         "sets      uniform; adversarial: at 0 and 1e-12 to 1e-1 from every change of regime of the geometry",
         f"time      of the device for all directions, median of up to {RUNS} runs; x: by single exact",
+        "in coordinates: of the second-order equation in x, y, z (nil), which the paper's tables are of",
         "distance  in the metric, between where the geodesic leads and where the method does",
         "angle     degrees, from the direction followed to the nearest exact geodesic to that point",
         f"off       directions with more than {limit:.0f} degrees, which max angle and mean leave out",
@@ -87,6 +88,7 @@ def header(count: int, seed: int, device: str) -> list[str]:
         f"{QUANTILE:.1%}     so many directions have no larger angle; off and lost ones have the largest",
         "*         no method is both faster and more accurate, by its max angle; with more than"
         f" {1 - QUANTILE:.1%} off or lost none is",
+        "found for the truth itself: by what solving for the direction of the exact endpoint misses it",
         f"Half a pixel, {FIELD} degrees across, at the border: {widths} pixels.",
         "Single precision rounds the direction it is given, too: by up to 3e-6 degrees.",
     ]

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import beta
 
 from thurston_cl.accuracy.pictures import Errors, all_places, compare, worst
 from thurston_cl.accuracy.rays import Array, ExactRays, Places, Rays
@@ -19,6 +20,8 @@ from thurston_cl.scene.picture import Area, Size
 SEED = 1
 # So many of the random pixels have to be as exact as was asked for.
 REACHED = 0.999
+# How sure it is what is said of all pixels by some.
+CONFIDENCE = 0.95
 # So many of the worst pixels are named.
 NAMED = 5
 # Pixels among which those with the largest estimate are looked for, for each of these, and at least: all of a
@@ -46,9 +49,7 @@ class Verification:
                 f"the {len(self.suspected.places)} with the largest estimate", self.suspected, self._within
             ),
         ]
-        if self.target is not None:
-            verdict = "is reached" if self.reached else "is NOT reached"
-            lines.append(f"{REACHED:.1%} within {self._within}: this {verdict} at random pixels")
+        lines += self._verdict
         found = self.worst[:NAMED]
         if found and found[0]["over_half_pixel"]:
             named = ", ".join(_place_in_words(one) for one in found if one["over_half_pixel"])
@@ -59,6 +60,28 @@ class Verification:
     def reached(self) -> bool:
         """Whether enough of the random pixels are as exact as was asked for."""
         return bool(self.drawn.summary["over_half_pixel"] <= 1 - REACHED)
+
+    @property
+    def _verdict(self) -> list[str]:
+        """What follows from the random pixels, and how surely."""
+        count = self.drawn.summary["n"]
+        if count == 0:
+            return []
+        if self.target == "reference":
+            return ["this compares the truth with itself: only mpmath tells how exact it is (--verify-mp)"]
+        over = round(self.drawn.summary["over_half_pixel"] * count)
+        # Clopper and Pearson's bound.
+        most = float(beta.ppf(CONFIDENCE, over + 1, count - over)) if over < count else 1.0
+        sure = f"with {CONFIDENCE:.0%} confidence at most {most:.2%} of the picture miss it"
+        if self.target is not None:
+            verdict = "is reached" if self.reached else "is NOT reached"
+            return [f"{REACHED:.1%} within {self._within}: this {verdict} at random pixels ({sure})"]
+        if self.reached:
+            return [sure.replace("miss it", "are over half a pixel off")]
+        return [
+            f"{over / count:.2%} of the random pixels are over half a pixel off: --accuracy half-pixel takes "
+            "settings that are more exact"
+        ]
 
     @property
     def _within(self) -> str:
@@ -182,7 +205,7 @@ def _place_in_words(one: dict[str, Any]) -> str:
         return f"{x},{y}{eye} shows object {one['object']} instead of {one['true_object']}"
     if one["shown_pixels"] is not None and one["shown_pixels"] > 0.5:
         return f"{x},{y}{eye} off by {one['shown_pixels']:.2g} pixels"
-    return f"{x},{y}{eye} at the depth {one['depth']:.3g} instead of {one['true_depth']:.3g}"
+    return f"{x},{y}{eye} at the depth {one['depth']:.6g} instead of {one['true_depth']:.6g}"
 
 
 def _pixel(errors: Errors, k: int) -> dict[str, Any]:

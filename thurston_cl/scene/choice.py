@@ -60,12 +60,18 @@ class Choice:
         )
         bounds = [f"at most {method.steps} steps"]
         bounds += [f"{n} iterations of {what}" for what, n in self._iterations if n is not None]
-        reached = f"{self.estimated:.2g} rad" if math.isfinite(self.estimated) else "unknown"
-        outcome = f"estimated {reached}" + ("" if self.met else ", which is not reached")
+        reached = f"{self.estimated:.3g} rad" if math.isfinite(self.estimated) else "unknown"
+        outcome = f"estimated {reached}" + ("" if self.met else ", which is not enough to be sure of it")
         return (
-            f"{self.requested}, {self.target:.2g} rad: {how}, {', '.join(bounds)}; {outcome}; "
+            f"{self._asked}: {how}, {', '.join(bounds)}; {outcome}; "
             f"{self.cost:.2g} times the time of the plain method"
         )
+
+    @property
+    def _asked(self) -> str:
+        """What was asked for, in words."""
+        angle = f"{self.target:.3g} rad"
+        return angle if angle == self.requested else f"{self.requested}, {angle}"
 
     @property
     def _iterations(self) -> list[tuple[str, int | None]]:
@@ -79,6 +85,7 @@ class Choice:
             "target": self.target,
             "estimated": self.estimated if math.isfinite(self.estimated) else None,
             "met": self.met,
+            "words": self.words,
         }
 
 

@@ -47,6 +47,9 @@ FAR = dict.fromkeys(("h3", "h2xe", "sl2"), 15.0) | {
 }
 FAR_IN_FINITE_CELL = FAR | dict.fromkeys(("h3", "h2xe", "sl2", "sol"), 40.0)
 
+# What is said of an accuracy before anything is rendered.
+FIT = "{}. Rendering looks at the picture first, and may take a smaller threshold and more steps"
+
 # Cells with a number of their own; those farther away share the last. 4096 numbers fit half of a second-level
 # cache.
 CELL_TABLE = 4096
@@ -161,7 +164,9 @@ class Plan:
             f"{settings.filter} filter, seed {settings.seed}",
             "steps": f"at most {self.method.steps} a ray",
             "flow": self.method.flow_in(self.scene.geometry).words,
-            "accuracy": "not asked for: the plain settings" if self.choice is None else self.choice.words,
+            "accuracy": "not asked for: the plain settings"
+            if self.choice is None
+            else FIT.format(self.choice.words),
             "tracer": _tracer_words(self.scene),
         }
 
