@@ -15,7 +15,7 @@ help:
 	@echo 'make check    ruff (rules, format) and mypy'
 	@echo 'make format   let ruff rewrite the code'
 	@echo 'make bench    measure on this computer'
-	@echo 'make accuracy  measure again what accuracy targets choose from (half an hour)'
+	@echo 'make accuracy  measure again what accuracy targets choose from (a quarter of an hour)'
 	@echo 'make builds   measure how long the programs of all library scenes take to build'
 	@echo 'make setup    only the environment $(VENV) and an OpenCL device that works'
 	@echo 'make clean    remove what was built, and $(VENV)'
