@@ -742,7 +742,7 @@ def test_unknown_names(opencl_device: Device) -> None:
         Geometry("E3", device=opencl_device)
     with expect("unknown precision 'half'; expected 'single' or 'double'"):
         Geometry("e3", "half", opencl_device)
-    with expect("unknown flow 'euler'; expected 'exact'"):
-        Geometry("e3", device=opencl_device, flow="euler")
+    with expect("unknown flow 'leapfrog'; expected one of: exact, euler, rk2, rk4, rk8"):
+        Geometry("e3", device=opencl_device, flow="leapfrog")
     with expect("3 lanes; expected one of: 1, 4, 8, 16, 32, 64"):
         Geometry("e3", device=opencl_device, lanes=3)

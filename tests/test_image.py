@@ -213,7 +213,7 @@ def test_a_heat_map_in_a_file(tmp_path: Path, most: float | None, told: str) -> 
         ("old.png", {}, "exists; use --force"),
         ("folder.exr", {"force": True}, "exists and is not a file"),
         ("pipe.png", {"force": True}, "exists and is not a file"),
-        ("a.png", {"channels": ["beauty", "depth"]}, "PNG shows beauty, depth or steps, one of them"),
+        ("a.png", {"channels": ["beauty", "depth"]}, "PNG shows beauty, depth, steps or error, one of them"),
         ("a.png", {"channels": ["normal"]}, "one of them; write normal to an EXR"),
         ("a.png", {"channels": ["steps"], "view": "filmic"}, "a heat map is no light; leave exposure"),
         ("a.png", {"most": 3.0}, "most is for a heat map"),

@@ -1372,7 +1372,7 @@ MISTAKES = {
     ),
     "steps of nothing": Mistake(
         f"{E3}render: {{flow: rk4, flow-step: 0}}\n",
-        "3:34",
+        "3:32",
         "flow-step must be at least 0.0001; this is 0",
     ),
     "detail of no pixels": Mistake(
