@@ -17,7 +17,7 @@ from thurston_cl.method import Method
 from thurston_cl.rendering import TileRenderer, tiles
 from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
-from thurston_cl.scene.choice import method_of
+from thurston_cl.scene.choice import MISSED, method_of
 from thurston_cl.scene.picture import Size, views
 from thurston_cl.scene.plan import make_plan
 
@@ -27,7 +27,7 @@ THRESHOLDS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 STEP_LIMITS = (50, 100, 200, 300, 600)
 
 # A picture is good where no more of its pixels are over half a pixel off.
-GOOD = 1e-3
+GOOD = MISSED
 # A method that is not so much cheaper than another is no better: timings differ by as much.
 WORTH = 0.05
 # Pictures are timed so often, in turn with the scene's own, at least and at most, as the seconds allow: a

@@ -4,18 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from thurston_cl.accuracy.knobs import GOOD, Row, front
+from thurston_cl.accuracy.plot import DOTS, LIMIT_COLOR, STYLES
 
-# Colors that are told apart by everyone (Okabe and Ito), and a shape for each as well.
-STYLES = {
-    "exact": ("#000000", "*"),
-    "euler": ("#e69f00", "v"),
-    "rk2": ("#56b4e9", "s"),
-    "rk4": ("#009e73", "D"),
-    "rk8": ("#cc79a7", "o"),
-}
-LIMIT = "#b03030"
 SIZE = (11.0, 5.0)  # inches
-DOTS = 130  # an inch
 # No pixel at all stands this part below the smallest fraction there is.
 ZERO_BELOW = 0.3
 # Of an angle error, what is drawn.
@@ -49,9 +40,9 @@ def plot(rows: Sequence[Row], file: str, title: str) -> None:
         _mark(left, row, row.over_half_pixel or zero)
         if row.angle_pixels is not None:
             _mark(right, row, row.angle_pixels[DRAWN])
-    left.axhline(GOOD, color=LIMIT, linewidth=1, linestyle="--")
+    left.axhline(GOOD, color=LIMIT_COLOR, linewidth=1, linestyle="--")
     left.set_ylabel(f"pixels over half a pixel off; lowest: none; line: {GOOD:.1%}")
-    right.axhline(0.5, color=LIMIT, linewidth=1, linestyle="--")
+    right.axhline(0.5, color=LIMIT_COLOR, linewidth=1, linestyle="--")
     right.set_ylabel(f"angle error of {DRAWN} % of the pixels, in pixels")
     for axes in (left, right):
         axes.set_xscale("log")
@@ -70,7 +61,7 @@ def plot(rows: Sequence[Row], file: str, title: str) -> None:
                 markerfacecolor=face,
                 label=f"{precision} {flow}",
             )
-    left.plot([], [], "o", color="none", markeredgecolor=LIMIT, markersize=15, label="the scene's own")
+    left.plot([], [], "o", color="none", markeredgecolor=LIMIT_COLOR, markersize=15, label="the scene's own")
     figure.legend(loc="outside right center", frameon=False)
     figure.suptitle(title)
     figure.savefig(file, dpi=DOTS)
@@ -82,4 +73,4 @@ def _mark(axes: Any, row: Row, value: float) -> None:
     size = 11 if marker == "*" else 6
     axes.plot(row.relative, value, marker, markersize=size, color=color, markerfacecolor=face)
     if row.knob == "own":
-        axes.plot(row.relative, value, "o", color="none", markeredgecolor=LIMIT, markersize=17)
+        axes.plot(row.relative, value, "o", color="none", markeredgecolor=LIMIT_COLOR, markersize=17)

@@ -20,6 +20,7 @@ from thurston_cl.method import Method
 from thurston_cl.models import HOMOGENEOUS
 from thurston_cl.program import Source
 from thurston_cl.scene import schema
+from thurston_cl.scene.choice import REFERENCE
 from thurston_cl.scene.picture import Size
 from thurston_cl.scene.plan import make_plan
 from thurston_cl.scene.tracer import tracer_of
@@ -32,8 +33,8 @@ Which = Flags | NDArray[np.intp]
 
 # Of the truth: how near is a hit, and how many steps a ray may take. The threshold is far above rounding in
 # double, and far below what any picture shows.
-TRUTH_THRESHOLD = 1e-9
-TRUTH_STEPS = 20000
+TRUTH_THRESHOLD = REFERENCE.threshold
+TRUTH_STEPS = REFERENCE.steps
 # Lanes on a CPU, at most: few rays are marched, so that a narrow program, which is built in half of the time,
 # is the faster one.
 MOST_LANES = 8

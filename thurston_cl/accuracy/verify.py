@@ -14,12 +14,12 @@ from thurston_cl.device import Device
 from thurston_cl.method import Method
 from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
-from thurston_cl.scene.choice import WORDS
+from thurston_cl.scene.choice import MISSED, WORDS
 from thurston_cl.scene.picture import Area, Size
 
 SEED = 1
 # So many of the random pixels have to be as exact as was asked for.
-REACHED = 0.999
+REACHED = 1 - MISSED
 # How sure it is what is said of all pixels by some.
 CONFIDENCE = 0.95
 # So many of the worst pixels are named.
@@ -59,7 +59,7 @@ class Verification:
     @property
     def reached(self) -> bool:
         """Whether enough of the random pixels are as exact as was asked for."""
-        return bool(self.drawn.summary["over_half_pixel"] <= 1 - REACHED)
+        return bool(self.drawn.summary["over_half_pixel"] <= MISSED)
 
     @property
     def _verdict(self) -> list[str]:
@@ -146,9 +146,7 @@ def verify(
         chosen = np.random.default_rng(seed).choice(len(pixels), most, replace=False)
         candidates = pixels[np.sort(chosen)]
     ends = rays.trace(candidates)
-    # Rays that came to no end may be anywhere.
-    estimate = np.where(ends.lost | ends.out_of_steps, np.inf, ends.estimate)
-    largest = np.argsort(-estimate, kind="stable")[: min(count, len(candidates))]
+    largest = np.argsort(-ends.estimate, kind="stable")[: min(count, len(candidates))]
     return Verification(
         compare(rays, exact, drawn, rays.trace(drawn), target=target or "half-pixel"),
         compare(rays, exact, candidates[largest], ends[largest], target=target or "half-pixel"),

@@ -23,7 +23,7 @@ KNOBS = {
 @dataclass(frozen=True)
 class Row:
     """One setting: `settings` are fields of Method. cost: its time, as a multiple of that of the table's
-    plain row, whose other settings are the same; median over the probes. reaches: the smallest of the
+    plain row, whose other settings are the same; the mean of both probes. reaches: the smallest of the
     tabulated angles, in radians, within which all but `ALLOWED` of the pixels of every probe are; None
     where they are within none.
     """
