@@ -68,9 +68,10 @@ def command(
     """
     from thurston_cl.device import choose
     from thurston_cl.scene import load_scene
+    from thurston_cl.scene.choice import with_accuracy
     from thurston_cl.scene.plan import make_plan
 
-    loaded = load_scene(scene, defines=defines, sets=sets)
+    loaded = with_accuracy(load_scene(scene, defines=defines, sets=sets), accuracy)
     chosen = choose(device)
     check_precision(chosen, loaded, precision, accuracy)
     check_size(loaded, size)

@@ -285,8 +285,9 @@ def command(
     from thurston_cl.method import Method
     from thurston_cl.rendering import render
     from thurston_cl.scene import load_scene
+    from thurston_cl.scene.choice import with_accuracy
 
-    loaded = load_scene(scene, defines=defines, sets=sets)
+    loaded = with_accuracy(load_scene(scene, defines=defines, sets=sets), accuracy)
     targets = _targets(loaded, files, channels, _film(files, shows, most, exposure, view))
     for target in targets:
         check_output(target.file, target.channels, force)

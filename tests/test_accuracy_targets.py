@@ -38,6 +38,7 @@ from thurston_cl.scene.choice import (
     choose_method,
     fitted,
     flow_error,
+    with_accuracy,
 )
 from thurston_cl.scene.measured import ALLOWED, KNOBS, Row, measured
 from thurston_cl.scene.pixel import half_pixels
@@ -407,6 +408,17 @@ def test_what_stands_close_to_the_eye(opencl_device: Device) -> None:
     assert method.threshold < plain.threshold / 4
     assert verify(scene, 1000, method, opencl_device, target="half-pixel").reached
     assert not verify(scene, 1000, dataclasses.replace(plain, threshold=1e-3), opencl_device).reached
+
+
+def test_no_detail_is_left_out_where_an_accuracy_is_asked_for(opencl_device: Device) -> None:
+    """`detail` would let rays end pixels away from what they graze."""
+    scene = load_text(BALL + "render: {detail: 3, size: [160, 90], samples: 1}\n")
+    image = tc.render(scene, device=opencl_device, accuracy="half-pixel")
+    assert image.statistics["accuracy"]["met"]
+    with_detail = Method(**image.statistics["method"])
+    assert verify(with_accuracy(scene, "half-pixel"), 500, with_detail, opencl_device).reached
+    assert not verify(scene, 500, with_detail, opencl_device).reached
+    assert with_accuracy(scene, None) is scene
 
 
 def test_a_picture_is_held_against_what_was_asked_for(opencl_device: Device) -> None:

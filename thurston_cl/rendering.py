@@ -22,7 +22,7 @@ from thurston_cl.method import Method
 from thurston_cl.program import LANE_WIDTHS, LOCAL_SIZE, build_widest
 from thurston_cl.sampling import sample_shifts
 from thurston_cl.scene import schema
-from thurston_cl.scene.choice import Glance, achieved, fitted, flow_error
+from thurston_cl.scene.choice import Glance, achieved, fitted, flow_error, with_accuracy
 from thurston_cl.scene.picture import View, size_problem, views
 from thurston_cl.scene.plan import Plan, make_plan
 from thurston_cl.scene.texels import images_of
@@ -110,6 +110,7 @@ def render(
     can be seen. Raises SceneError, NoDeviceError, ValueError for arguments that make no sense.
     """
     started = time.perf_counter()
+    scene = with_accuracy(scene, accuracy)
     settings = scene.render
     chosen = devices.choose(device) if device is None or isinstance(device, str) else device
     if precision is not None:

@@ -137,6 +137,15 @@ def achieved(choice: Choice, glance: Glance) -> Choice:
     return dataclasses.replace(choice, estimated=estimated, met=good)
 
 
+def with_accuracy(scene: "Scene", accuracy: str | float | None) -> "Scene":
+    """The scene where an accuracy is asked for beside what it says: all of it counts then, and no `detail` is
+    left out.
+    """
+    if accuracy is None or scene.render.detail is None:
+        return scene
+    return scene.model_copy(update={"render": scene.render.model_copy(update={"detail": None})})
+
+
 def method_of(
     scene: "Scene",
     device: "Device",
